@@ -1,0 +1,58 @@
+"""Effects: one module each, imported only when a scene lists the effect.
+
+An effect acts on dense blocks of unknowns and knows nothing of the other effects, of assembly or of Newton.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Effect(Protocol):
+    """What the solver asks of a load.
+
+    `dofs` (m, nd) are the unknowns of its m blocks; `force` and `tangent` take the nodal vectors of the blocks
+    e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and dQ/de (m, nd, nd),
+    None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the load has none.
+    """
+
+    name: str
+    dofs: NDArray[np.intp]
+
+    def force(self, e: Floats) -> Floats:
+        """Generalised force Q (m, nd / 3, 3)."""
+        ...
+
+    def tangent(self, e: Floats) -> Floats | None:
+        """Load tangent dQ/de (m, nd, nd), None where it is zero."""
+        ...
+
+    def potential(self, e: Floats) -> float | None:
+        """Potential V [J], None for a load without one."""
+        ...
+
+
+class DeadLoad:
+    """A load whose generalised force is constant: Q = S^T F (paper eq. 20)."""
+
+    def __init__(self, name: str, dofs: NDArray[np.intp], Q: Floats) -> None:
+        self.name = name
+        self.dofs = dofs
+        self.Q = Q
+
+    def force(self, e: Floats) -> Floats:
+        """See `Effect.force`."""
+        return self.Q
+
+    def tangent(self, e: Floats) -> None:
+        """See `Effect.tangent`: a dead load has none."""
+        return
+
+    def potential(self, e: Floats) -> float:
+        """See `Effect.potential`: V = -Q . e."""
+        return -float(np.sum(self.Q * e))

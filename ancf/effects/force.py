@@ -1,0 +1,62 @@
+r"""Point force on a material point of a section (paper eq. 19-22), dead or follower.
+
+The point (y, z) of the section at x has r = sum_k phi_k(y, z) d_k(x), so Q = S^T F with S = sum_k phi_k N_k.
+A follower force turns with the section, F = R F_0, dF = dw x F with the spin dw of rotation.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.effects import DeadLoad, Effect
+from ancf.rod_model import RodModel, SectionPoint
+from ancf.rotation import hat, section_rotation
+from ancf.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
+    """Point forces of the scene."""
+    models = {model.rod.name: model for model in rods}
+    effects: list[Effect] = []
+    for load in scene.forces:
+        model = models[load.rod]
+        point = model.section_point(load.at)
+        phi, _, _ = model.element.section_monomials(np.array([load.offset[0]]), np.array([load.offset[1]]))
+        shape = phi[0] @ point.N
+        if load.direction == "fixed":
+            effects.append(DeadLoad("force", point.dofs[None], np.outer(shape, load.value)[None]))
+        else:
+            effects.append(FollowerForce(point, shape, load.value))
+    return effects
+
+
+class FollowerForce:
+    """A force that keeps its direction relative to the section."""
+
+    name = "force"
+
+    def __init__(self, point: SectionPoint, shape: Floats, value: Floats) -> None:
+        self.dofs = point.dofs[None]
+        self.point = point
+        self.shape = shape  # (nodal,)
+        self.value = value  # (3,) N, at the reference
+
+    def force(self, e: Floats) -> Floats:
+        """See `Effect.force`: Q = S^T R F_0."""
+        R = section_rotation(self.point.N @ e[0], self.point.W).R
+        return np.outer(self.shape, R @ self.value)[None]
+
+    def tangent(self, e: Floats) -> Floats:
+        """See `Effect.tangent`: dQ = -S^T hat(F) dw."""
+        rotation = section_rotation(self.point.N @ e[0], self.point.W)
+        dw = np.einsum("ikc,kn->inc", rotation.spin(), self.point.N)
+        dF = -np.einsum("ij,jnc->inc", hat(rotation.R @ self.value), dw)
+        size = 3 * len(self.shape)
+        return np.einsum("m,inc->minc", self.shape, dF).reshape(1, size, size)
+
+    def potential(self, e: Floats) -> None:
+        """See `Effect.potential`: a follower force has none."""
+        return

@@ -1,0 +1,38 @@
+r"""Weight: Q_k = int rho phi_k det J_0 dA dx g, constant over the motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ancf.effects import DeadLoad, Effect
+from ancf.quadrature import gauss
+from ancf.rod_model import RodModel
+from ancf.scene import Scene
+from ancf.section_energy import CURVED_DEGREE, STRAIGHT_DEGREE, generalised_shape, local_gradient
+
+# Shape functions are cubic at most and det J_0 of a curved element adds a few degrees; 5 points reach degree 9.
+AXIAL_POINTS = 5
+
+
+def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
+    """Weight of every rod of the scene."""
+    assert scene.gravity is not None
+    return [_weight(model, scene.gravity.acceleration) for model in rods]
+
+
+def _weight(model: RodModel, acceleration: np.ndarray) -> DeadLoad:
+    rod, element = model.rod, model.element
+    if rod.material.density is None:  # refused when the scene was read
+        raise ValueError(f"rod {rod.name!r} has no density")
+    xi, weight = gauss(AXIAL_POINTS)
+    y, z, area = rod.section.quadrature(CURVED_DEGREE if np.any(rod.curvature) else STRAIGHT_DEGREE)
+    phi, _, _ = element.section_monomials(y, z)
+    Q = np.zeros((len(model.e0), element.vectors_per_element, 3))
+    for index, h in enumerate(model.mesh.h):
+        N = element.shape(xi, h)
+        v0 = generalised_shape(element, xi, h) @ model.e0[index]
+        for point in range(AXIAL_POINTS):
+            J_l, _ = local_gradient(element, v0[point], y, z)
+            mass = rod.material.density * 0.5 * h * weight[point] * (area * np.linalg.det(J_l)) @ phi
+            Q[index] += np.outer(mass @ N[point], acceleration)
+    return DeadLoad("gravity", model.dofs, Q)

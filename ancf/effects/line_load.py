@@ -1,0 +1,68 @@
+r"""Force per reference length on the centre line of a rod, dead or follower: Q = int N_0^T f dx."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.effects import DeadLoad, Effect
+from ancf.quadrature import gauss
+from ancf.rod_model import RodModel
+from ancf.rotation import hat, section_rotation
+from ancf.scene import Scene
+from ancf.section_energy import director_weights
+
+Floats = NDArray[np.float64]
+
+DEAD_POINTS = 2  # exact: the axis is cubic at most
+FOLLOWER_POINTS = 3  # the turning direction adds degrees; one point more than the elastic rule of 3333
+
+
+def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
+    """Line loads of the scene."""
+    models = {model.rod.name: model for model in rods}
+    effects: list[Effect] = []
+    for load in scene.line_loads:
+        model = models[load.rod]
+        follower = load.direction == "follower"
+        xi, weight = gauss(FOLLOWER_POINTS if follower else DEAD_POINTS)
+        h = model.mesh.h
+        N = np.array([model.element.shape(xi, length) for length in h])  # (n_el, points, directors, nodal)
+        shape = 0.5 * h[:, None, None] * weight[:, None] * N[:, :, 0]  # (n_el, points, nodal)
+        if follower:
+            effects.append(FollowerLineLoad(model, N, shape, load.value))
+        else:
+            Q = np.einsum("epn,a->ena", shape, load.value)
+            effects.append(DeadLoad("line_load", model.dofs, Q))
+    return effects
+
+
+class FollowerLineLoad:
+    """A line load that keeps its direction relative to each section."""
+
+    name = "line_load"
+
+    def __init__(self, model: RodModel, N: Floats, shape: Floats, value: Floats) -> None:
+        self.dofs = model.dofs
+        self.N = N
+        self.shape = shape
+        self.value = value  # (3,) N/m, at the reference
+        self.W = director_weights(model.element, model.rod.section, N @ model.e0[:, None])
+
+    def force(self, e: Floats) -> Floats:
+        """See `Effect.force`: Q = int N_0^T R f_0 dx."""
+        R = section_rotation(self.N @ e[:, None], self.W).R
+        return np.einsum("epn,epa->ena", self.shape, R @ self.value)
+
+    def tangent(self, e: Floats) -> Floats:
+        """See `Effect.tangent`: dQ = -int N_0^T hat(f) dw dx."""
+        rotation = section_rotation(self.N @ e[:, None], self.W)
+        dw = np.einsum("epikc,epkn->epinc", rotation.spin(), self.N)
+        df = -np.einsum("epij,epjnc->epinc", hat(rotation.R @ self.value), dw)
+        K = np.einsum("epm,epinc->eminc", self.shape, df)
+        size = K.shape[1] * 3
+        return K.reshape(len(K), size, size)
+
+    def potential(self, e: Floats) -> None:
+        """See `Effect.potential`: a follower load has none."""
+        return

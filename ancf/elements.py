@@ -1,0 +1,131 @@
+r"""ANCF beam elements as descriptors: an element is its nodes and its nodal vectors.
+
+The position of a material point is
+
+    r(x, y, z) = sum_k phi_k(y, z) d_k(x),     phi = 1, y, z, ...
+
+with one *director* d_k(x) per section monomial; d_0 is the centre line, d_1 = r_y, d_2 = r_z on the axis.
+A nodal vector is a derivative of r by (x, y, z) at a node on the axis; those with the same (y, z) orders
+interpolate one director along x (Lagrange, or Hermite where x-derivatives are among them).
+
+Symbols
+-------
+xi      element coordinate along the axis, -1 to 1;  h element length [m];  x = h (1 + xi)/2
+N       axial shape functions, (directors, nodal vectors of the element)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Order = tuple[int, int, int]
+
+R: Order = (0, 0, 0)
+R_X: Order = (1, 0, 0)
+R_Y: Order = (0, 1, 0)
+R_Z: Order = (0, 0, 1)
+
+
+@dataclass(frozen=True)
+class Element:
+    """One ANCF beam element in the digital nomenclature (dimension, nodes, vectors per node, components).
+
+    Parameters
+    ----------
+    node_xi : positions of the nodes on the axis, -1 to 1
+    vectors : derivative orders (x, y, z) of the vectors that each node carries
+    axial_points : Gauss points along the axis for the strain energy by default
+    full_points : Gauss points that integrate the Saint Venant-Kirchhoff energy of a straight element exactly
+    """
+
+    name: str
+    node_xi: tuple[float, ...]
+    vectors: tuple[Order, ...]
+    axial_points: int
+    full_points: int
+
+    @cached_property
+    def directors(self) -> tuple[tuple[int, int], ...]:
+        """Section monomials (power of y, power of z) in the order in which the vectors name them."""
+        return tuple(dict.fromkeys((j, k) for _, j, k in self.vectors))
+
+    @property
+    def vectors_per_element(self) -> int:
+        """Number of nodal vectors of one element, 8 for 3243."""
+        return len(self.node_xi) * len(self.vectors)
+
+    def shape(self, xi: Floats, h: float, derivative: int = 0) -> Floats:
+        """Axial shape functions N or their derivative by x.
+
+        For each director the interpolation conditions at the nodes are inverted once (confluent Vandermonde).
+
+        Parameters
+        ----------
+        xi : (n,) [-]
+        h : element length [m]
+        derivative : order of the derivative by x
+
+        Returns
+        -------
+        (n, directors, nodal vectors of the element), node-major; [m^(orders)].
+        """
+        xi = np.atleast_1d(np.asarray(xi, dtype=float))
+        result = np.zeros((len(xi), len(self.directors), self.vectors_per_element))
+        to_x = 2.0 / h
+        for director, columns, coefficients, x_orders in self._interpolations:
+            powers = np.stack([_monomial(p, derivative, xi) for p in range(len(columns))], axis=-1)
+            scale = np.array([to_x ** (derivative - order) for order in x_orders])
+            result[:, director, columns] = powers @ coefficients * scale
+        return result
+
+    @cached_property
+    def _interpolations(self) -> list[tuple[int, NDArray[np.intp], Floats, list[int]]]:
+        """Per director: columns of its nodal vectors, monomial coefficients, x-orders of the vectors."""
+        found = []
+        per_node = len(self.vectors)
+        for director, monomial in enumerate(self.directors):
+            local = [v for v, (_, j, k) in enumerate(self.vectors) if (j, k) == monomial]
+            conditions = [(node, v) for node in range(len(self.node_xi)) for v in local]
+            x_orders = [self.vectors[v][0] for _, v in conditions]
+            matrix = np.array(
+                [
+                    [_monomial(p, order, np.array(self.node_xi[node])) for p in range(len(conditions))]
+                    for (node, _), order in zip(conditions, x_orders, strict=True)
+                ],
+                dtype=float,
+            )
+            columns = np.array([node * per_node + v for node, v in conditions])
+            found.append((director, columns, np.linalg.inv(matrix), x_orders))
+        return found
+
+    def section_monomials(self, y: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
+        """phi_k = y^j z^k/(j! k!) and its derivatives by y and z, each (n, directors)."""
+        y, z = np.broadcast_arrays(np.atleast_1d(np.asarray(y, float)), np.asarray(z, float))
+        j, k = np.array(self.directors).T
+        weight = 1.0 / np.array([factorial(a) * factorial(b) for a, b in self.directors])
+        y, z = y[:, None], z[:, None]
+        phi = weight * y**j * z**k
+        phi_y = weight * j * y ** np.maximum(j - 1, 0) * z**k
+        phi_z = weight * k * y**j * z ** np.maximum(k - 1, 0)
+        return phi, phi_y, phi_z
+
+
+def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
+    """The derivative of xi^power of the given order."""
+    if derivative > power:
+        return np.zeros_like(xi, dtype=float)
+    return factorial(power) / factorial(power - derivative) * xi ** (power - derivative)
+
+
+# 3243: cubic Hermite axis, linear section vectors. Two axial points leave spurious zero modes, three lock mildly.
+# 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
+ELEMENTS: dict[str, Element] = {
+    "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5),
+    "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5),
+}

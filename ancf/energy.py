@@ -1,0 +1,149 @@
+r"""Elastic energy, force and tangent of one rod in the Gram form.
+
+For axial point p of element e: v = N e (N from section_energy.generalised_shape), gamma_ij = v_i . v_j - v0_i . v0_j,
+
+    U = sum_p 1/2 gamma^T H gamma,      T = H gamma,
+    Q = N^T (S v),                      S_ij = T_ij (i != j), 2 T_ii,
+    K = N^T (B_v^T H B_v + S (x) I) N,  B_v = d gamma / d v.
+
+`H` carries the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
+tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent only,
+by the stress that the last linear step predicted: gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0 with the
+iterate v_o before that step. It lets Newton take long steps where axis and sections are much stiffer
+than bending, and vanishes at convergence.
+
+Positions enter relative to the first node of the element: what is common to all nodes cannot cancel later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.section_energy import pairs
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ElasticRod:
+    """Constant data of the elastic kernel of one rod.
+
+    Parameters
+    ----------
+    N : (n_el or 1, points, generalised vectors, nodal vectors of the element) [m^(...)]
+    H : (n_el or 1, points, pairs, pairs), axial weight included
+    e0 : (n_el, nodal vectors of the element, 3) reference nodal vectors
+    position_columns : which nodal vectors of an element are positions
+    """
+
+    N: Floats
+    H: Floats
+    e0: Floats
+    position_columns: NDArray[np.intp]
+
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return pairs(self.N.shape[-2])
+
+    @cached_property
+    def v0(self) -> Floats:
+        """Reference generalised vectors (n_el, points, generalised vectors, 3)."""
+        return self.generalised(self.e0)
+
+    @cached_property
+    def _products0(self) -> Floats:
+        return self._products(self.v0, self.v0)
+
+    def generalised(self, e: Floats) -> Floats:
+        """Generalised vectors v (n_el, points, generalised vectors, 3) of nodal vectors e (n_el, nodal, 3)."""
+        relative = e.copy()
+        relative[:, self.position_columns] -= e[:, self.position_columns[:1]]
+        return self.N @ relative[:, None]
+
+    def _products(self, v: Floats, w: Floats) -> Floats:
+        i, j = self._pairs
+        return np.einsum("epia,epia->epi", v[:, :, i], w[:, :, j])
+
+    def gamma(self, v: Floats) -> Floats:
+        """Strain products (n_el, points, pairs), exactly zero at the reference."""
+        return self._products(v, v) - self._products0
+
+    def predicted_gamma(self, v: Floats, v_previous: Floats) -> Floats:
+        """Strain products that the linear step from v_previous to v predicted (mixed integration point)."""
+        return (
+            self._products(v_previous, v)
+            + self._products(v, v_previous)
+            - self._products(v_previous, v_previous)
+            - self._products0
+        )
+
+    def energy(self, e: Floats) -> float:
+        """Strain energy [J]."""
+        gamma = self.gamma(self.generalised(e))
+        return 0.5 * float(np.sum(gamma * self._stress(gamma)))
+
+    def _stress(self, gamma: Floats) -> Floats:
+        return (self.H @ gamma[..., None])[..., 0]
+
+    def _symmetric(self, T: Floats) -> Floats:
+        """S (..., vectors, vectors) with Q_v = S v from the packed resultants T."""
+        count = self.N.shape[-2]
+        i, j = self._pairs
+        S = np.zeros((*T.shape[:-1], count, count))
+        S[..., i, j] = T
+        return S + np.swapaxes(S, -1, -2)  # doubles the diagonal, as d(v_i . v_i) = 2 v_i . dv_i demands
+
+    def vector_force(self, v: Floats) -> Floats:
+        """Forces conjugate to the generalised vectors, (n_el, points, generalised vectors, 3), weight included."""
+        return self._symmetric(self._stress(self.gamma(v))) @ v
+
+    def force(self, e: Floats) -> Floats:
+        """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""
+        Q_v = self.vector_force(self.generalised(e))
+        return np.einsum("epin,epia->ena", self._N_full(len(e)), Q_v)
+
+    def force_and_tangent(self, e: Floats, e_previous: Floats | None = None) -> tuple[Floats, Floats]:
+        """Elastic force (n_el, nodal, 3) and tangent (n_el, 3 nodal, 3 nodal), symmetric.
+
+        With `e_previous` the geometric part uses the mixed-integration-point stress.
+        """
+        v = self.generalised(e)
+        S = self._symmetric(self._stress(self.gamma(v)))
+        Q = np.einsum("epin,epia->ena", self._N_full(len(e)), S @ v)
+        if e_previous is not None:
+            v_previous = self.generalised(e_previous)
+            S = self._symmetric(self._stress(self.predicted_gamma(v, v_previous)))
+        return Q, self.material_tangent(v) + self.geometric_tangent(S)
+
+    def material_tangent(self, v: Floats) -> Floats:
+        """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at generalised vectors v."""
+        n_el, points, count, _ = v.shape
+        i, j = self._pairs
+        index = np.arange(len(i))
+        B_v = np.zeros((n_el, points, len(i), count, 3))
+        B_v[:, :, index, i] = v[:, :, j]
+        B_v[:, :, index, j] += v[:, :, i]
+        nodal = self.N.shape[-1]
+        # (pairs, vectors, 3) -> (pairs, nodal, 3): the axial map acts on the vector index alone.
+        B = np.matmul(np.swapaxes(self.N, -1, -2)[:, :, None], B_v).reshape(n_el, points, len(i), 3 * nodal)
+        HB = self.H @ B
+        size = 3 * nodal
+        return np.matmul(
+            np.swapaxes(B.reshape(n_el, -1, size), -1, -2), HB.reshape(n_el, -1, size)
+        )
+
+    def geometric_tangent(self, S: Floats) -> Floats:
+        """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""
+        scalar = np.sum(np.swapaxes(self.N, -1, -2) @ (S @ self.N), axis=1)
+        n_el, nodal, _ = scalar.shape
+        K = np.zeros((n_el, nodal, 3, nodal, 3))
+        for a in range(3):
+            K[:, :, a, :, a] = scalar
+        return K.reshape(n_el, 3 * nodal, 3 * nodal)
+
+    def _N_full(self, n_el: int) -> Floats:
+        return np.broadcast_to(self.N, (n_el, *self.N.shape[1:]))

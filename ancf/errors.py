@@ -1,0 +1,31 @@
+"""Messages for people: what happened, where, value and limit, likely cause, what to try."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Message:
+    """The five parts of every message that leaves the program (interface.md, "One command")."""
+
+    what: str
+    where: str
+    value: str
+    cause: str
+    advice: str
+
+    def __str__(self) -> str:
+        return f"{self.what}\n  where: {self.where}\n  value: {self.value}\n  cause: {self.cause}\n  try:   {self.advice}"
+
+
+class InputError(ValueError):
+    """The input is wrong: nothing was computed and nothing written (exit code 2)."""
+
+    def __init__(self, message: Message) -> None:
+        super().__init__(str(message))
+        self.message = message
+
+
+class SceneError(InputError):
+    """A scene file, or one of its values, cannot be used."""

@@ -1,0 +1,118 @@
+"""Newton iteration at one load factor: dimensionless step and residual, mixed-integration-point tangent.
+
+Converged means: last step <= tolerance (lengths by L, slopes by 1) and residual <= max(tolerance, floor), where the floor
+is what positions stored in float64 leave (RodModel.residual_floor). Nothing is divided by the load.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.band import BandLU, SingularMatrixError
+from ancf.model import Model
+
+Floats = NDArray[np.float64]
+
+# A step of this many rod lengths has left every basin of attraction worth waiting for.
+DIVERGED_STEP = 1e3
+# Steps that stay below the tolerance while the residual does not fall: stuck above the floor.
+STAGNATION = 4
+
+
+class Outcome(enum.Enum):
+    """How a Newton iteration ended."""
+
+    CONVERGED = "converged"
+    TOO_MANY = "iteration limit reached"
+    DIVERGED = "iterates diverged"
+    NOT_FINITE = "a number was not finite"
+    SINGULAR = "tangent is singular"
+    STAGNATED = "residual stagnates above its floor"
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One linear solve: the residual before it and the step it made, both dimensionless."""
+
+    load_factor: float
+    iteration: int
+    residual: float
+    step: float
+
+
+@dataclass
+class NewtonResult:
+    """Outcome, last coordinates, history and the last factorisation."""
+
+    outcome: Outcome
+    q: Floats
+    residual: float
+    history: list[Iteration] = field(default_factory=list)
+    lu: BandLU | None = None
+    worst_dof: int = 0
+
+    @property
+    def converged(self) -> bool:
+        """Whether the equilibrium was found."""
+        return self.outcome is Outcome.CONVERGED
+
+
+def newton(model: Model, q: Floats, load_factor: float, max_iterations: int) -> NewtonResult:
+    """Solve g(q) = 0 at a load factor from the start q (n,).
+
+    One linear solve is one iteration. Returns the last iterate whatever happened; a failure is an `Outcome`.
+    """
+    options = model.scene.solver
+    limit = max(options.tolerance, model.residual_floor)
+    result = NewtonResult(Outcome.TOO_MANY, q, np.inf)
+    q_previous: Floats | None = None
+    quiet = 0
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # caught as NOT_FINITE
+        for iteration in range(1, max_iterations + 1):
+            try:
+                forces, flat = model.residual_and_tangent(q, load_factor, q_previous)
+            except np.linalg.LinAlgError:  # a section collapsed to a line: its rotation is undefined
+                return _ended(result, Outcome.NOT_FINITE)
+            g = model.project(forces.at(load_factor))
+            if not _measure(model, result, g) or not np.isfinite(flat).all():
+                return _ended(result, Outcome.NOT_FINITE)
+            try:
+                result.lu = model.factorise(flat)
+            except SingularMatrixError:
+                return _ended(result, Outcome.SINGULAR)
+            dq = model.solve_linear(result.lu, -g)
+            step = float(np.max(np.abs(dq / model.unit), initial=0.0))
+            result.history.append(Iteration(load_factor, iteration, result.residual, step))
+            if not np.isfinite(step):
+                return _ended(result, Outcome.NOT_FINITE)
+            if step > DIVERGED_STEP:
+                return _ended(result, Outcome.DIVERGED)
+            q_previous, q = q, q + dq
+            if step <= options.tolerance:
+                forces = model.residual(q)
+                finite = _measure(model, result, model.project(forces.at(load_factor)))
+                if finite and result.residual <= limit:
+                    result.q = q
+                    return _ended(result, Outcome.CONVERGED)
+                quiet += 1
+                if quiet == STAGNATION:
+                    return _ended(result, Outcome.STAGNATED)
+            result.q = q
+    return result
+
+
+def _measure(model: Model, result: NewtonResult, g: Floats) -> bool:
+    """Store the dimensionless residual; False when it is not finite."""
+    scaled = np.abs(g / model.force_unit)
+    result.worst_dof = int(np.argmax(scaled))
+    result.residual = float(scaled[result.worst_dof])
+    return bool(np.isfinite(result.residual))
+
+
+def _ended(result: NewtonResult, outcome: Outcome) -> NewtonResult:
+    result.outcome = outcome
+    return result

@@ -1,0 +1,165 @@
+r"""Start values for Newton: the rod under its moments, and extrapolation of an equilibrium path.
+
+Moments fixed in space on a straight round rod clamped at one end give a helix in closed form (the internal moment is
+constant in space between loads). The same idea serves every section and reference curvature: with M(x) known,
+
+    R' = R hat(k_0 + C^-1 R_0^T R^T M),   r' = R e_x
+
+is an initial value problem, integrated here by the exponential midpoint rule. It is only a start value; the residual
+decides. Follower moments are integrated from their end, where they are known in the section's own axes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import R
+from ancf.mesh import reference_axis
+from ancf.model import Model
+from ancf.rod_model import RodModel
+from ancf.rod_shape import LocalShape, from_local, node_rotations, to_local
+from ancf.rotation import exp, log
+from ancf.scene import Moment
+
+Floats = NDArray[np.float64]
+
+# Largest change of a local measure [rad] in the difference quotient that turns dq into rates of local measures.
+_RATE_ANGLE = 1e-5
+# Midpoint steps between nodes; two keep the start within 1e-3 for a turn on 12 elements.
+_SUBSTEPS = 2
+
+
+def moment_start(model: Model, load_factor: float) -> Floats | None:
+    """Coordinates (n,) of the rods bent by their point moments alone; None where no such start is known.
+
+    Known for rods held by one clamp (or free-section clamp) at x = 0 whose moments are all fixed in space, or
+    a single follower moment. Other rods keep their reference shape.
+    """
+    q = model.q0.copy()
+    found = False
+    for rod in model.rods:
+        moments = [m for m in model.scene.moments if m.rod == rod.rod.name]
+        supports = rod.rod.supports
+        held = len(supports) == 1 and supports[0].kind != "pin" and supports[0].at == 0.0
+        fixed = all(m.direction == "fixed" for m in moments)
+        if not (moments and held and (fixed or len(moments) == 1)):
+            continue
+        shape = _bent_by_moments(rod, moments, load_factor, follower=not fixed)
+        q[rod.first_dof : rod.first_dof + rod.size] = shape.ravel()
+        found = True
+    return q if found else None
+
+
+def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, follower: bool) -> Floats:
+    """Nodal vectors (n_nodes, vectors, 3) of a rod bent by its moments."""
+    x = rod.mesh.node_x
+    fine = np.concatenate(
+        [np.linspace(a, b, _SUBSTEPS, endpoint=False) for a, b in zip(x[:-1], x[1:], strict=True)] + [x[-1:]]
+    )
+    A_o = rod.rod.base.rotation
+    compliance = _compliance(rod)
+    total = np.array([load_factor * m.value for m in moments])
+    ends = np.array([m.at * rod.rod.length for m in moments])
+    rotations = np.empty((len(fine), 3, 3))  # section frames in SCS
+    rotations[0] = A_o
+    ramp = np.diff(fine)
+    curvature = np.asarray(rod.rod.curvature)
+    if follower:
+        # Known in the axes of the loaded section: integrate back from there, then turn the whole rod to its base.
+        _, frame = reference_axis(np.array([ends[0]]), rod.rod.curvature)
+        last = int(np.searchsorted(fine, ends[0] - 1e-12 * rod.rod.length))
+        value = total[0]
+        rotations[last] = A_o @ frame[0]
+        for i in range(last - 1, -1, -1):
+            half = rotations[i + 1] @ exp(-0.5 * ramp[i] * (curvature + compliance @ rotations[i + 1].T @ value))
+            rotations[i] = rotations[i + 1] @ exp(-ramp[i] * (curvature + compliance @ half.T @ value))
+        turn = A_o @ rotations[0].T
+        rotations[: last + 1] = turn @ rotations[: last + 1]
+        for i in range(last, len(ramp)):
+            rotations[i + 1] = rotations[i] @ exp(ramp[i] * curvature)
+    else:
+        for i, length in enumerate(ramp):
+            value = total[ends >= 0.5 * (fine[i] + fine[i + 1])].sum(axis=0)
+            half = rotations[i] @ exp(0.5 * length * (curvature + compliance @ rotations[i].T @ value))
+            rotations[i + 1] = rotations[i] @ exp(length * (curvature + compliance @ half.T @ value))
+    # Chord of a circular arc: shorter than the arc by sin(a/2)/(a/2).
+    theta = log(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
+    middle = rotations[:-1] @ exp(0.5 * theta)
+    half_angle = 0.5 * np.linalg.norm(theta[:, 1:], axis=1)
+    chord = ramp * np.sinc(half_angle / np.pi)
+    r = np.concatenate([np.zeros((1, 3)), np.cumsum(chord[:, None] * middle[:, :, 0], axis=0)])
+    _, frame0 = reference_axis(x, rod.rod.curvature)
+    relative = rotations[::_SUBSTEPS] @ np.swapaxes(A_o @ frame0, -1, -2)
+    q = np.einsum("nij,nvj->nvi", relative, rod.q0)
+    q[:, rod.element.vectors.index(R)] = r[::_SUBSTEPS]
+    return q
+
+
+def _compliance(rod: RodModel) -> Floats:
+    """Inverse of diag-block(GJ, bending) in section axes (3, 3): curvature (twist, y, z) per moment."""
+    material, second = rod.rod.material, rod.rod.section.second_moments
+    stiffness = np.zeros((3, 3))
+    stiffness[0, 0] = material.lame_mu * np.trace(second)
+    # Moment about y from curvature about y: E int z^2, coupling -E int y z.
+    stiffness[1:, 1:] = material.young_modulus * np.array(
+        [[second[1, 1], -second[0, 1]], [-second[0, 1], second[0, 0]]]
+    )
+    return np.linalg.inv(stiffness)
+
+
+class Path:
+    """The last equilibria of a load path, for extrapolating the next start."""
+
+    def __init__(self, model: Model, q: Floats) -> None:
+        self.model = model
+        self.points: list[tuple[float, list[LocalShape], Floats]] = []
+        self.add(0.0, q)
+
+    def add(self, load_factor: float, q: Floats) -> None:
+        """Append an equilibrium; only the last three are kept."""
+        local = [to_local(rod, self._of(rod, q)) for rod in self.model.rods]
+        self.points = [*self.points[-2:], (load_factor, local, q)]
+
+    def _of(self, rod: RodModel, q: Floats) -> Floats:
+        return q[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
+
+    def from_tangent(self, dq: Floats) -> Floats:
+        """Start after the increment dq (n,) of the linear problem, taken in local measures."""
+        _, now, q = self.points[-1]
+        small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
+        rates = [
+            (to_local(rod, self._of(rod, q + small * dq)) + here * -1.0) * (1.0 / small)
+            for rod, here in zip(self.model.rods, now, strict=True)
+        ]
+        return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
+
+    def extrapolate(self, load_factor: float) -> Floats:
+        """Start at a load factor by the polynomial through the last two or three equilibria."""
+        known = np.array([point[0] for point in self.points])
+        weights = [
+            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)])) for i, a in enumerate(known)
+        ]
+        shapes = []
+        for index in range(len(self.model.rods)):
+            parts = [point[1][index] * w for point, w in zip(self.points, weights, strict=True)]
+            total = parts[0]
+            for part in parts[1:]:
+                total = total + part
+            shapes.append(total)
+        linear = sum((point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n))
+        return self._rebuild(shapes, linear)
+
+    def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
+        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
+        q = linear.copy()
+        for rod, shape in zip(self.model.rods, shapes, strict=True):
+            supports = rod.rod.supports
+            if len(supports) != 1 or supports[0].kind == "pin":
+                continue
+            node = int(np.argmin(np.abs(rod.mesh.node_x - supports[0].at * rod.rod.length)))
+            now = self._of(rod, self.points[-1][2])
+            rotation = node_rotations(rod, now)[node]
+            position = now[node, rod.element.vectors.index(R)]
+            q[rod.first_dof : rod.first_dof + rod.size] = from_local(rod, shape, node, position, rotation).ravel()
+        return q

@@ -1,0 +1,194 @@
+"""One rod as arrays: mesh, reference vectors, elastic kernel data and section points for loads.
+
+Symbols
+-------
+q0       reference nodal vectors of the rod (n_nodes, vectors, 3), positions relative to the base
+dofs     unknowns of the model that belong to an element (n_el, 3 nodal)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import ELEMENTS, R, Element
+from ancf.energy import ElasticRod
+from ancf.errors import Message, SceneError
+from ancf.mesh import Mesh, element_breaks, make_mesh, reference_axis, reference_nodes
+from ancf.quadrature import gauss
+from ancf.scene import Rod, Scene
+from ancf.section_energy import director_weights, generalised_shape, section_stiffness
+from ancf.supports import NodeSupport, support_rows
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class SectionPoint:
+    """One section of a rod, as maps from the nodal vectors of its element.
+
+    directors d_k = N e, slopes d_k' = N_x e with e (nodal vectors, 3); W are the section-rotation weights.
+    """
+
+    dofs: Indices  # (3 nodal,)
+    N: Floats  # (directors, nodal)
+    N_x: Floats  # (directors, nodal)
+    d0: Floats  # (directors, 3)
+    W: Floats  # (directors, 3) [m4]
+
+
+@dataclass(frozen=True)
+class RodModel:
+    """Arrays of one rod; `first_dof` is the position of its unknowns in the model."""
+
+    rod: Rod
+    element: Element
+    mesh: Mesh
+    q0: Floats
+    first_dof: int
+
+    @cached_property
+    def dofs(self) -> Indices:
+        """Unknowns of each element (n_el, 3 nodal), the paper's B_1 (eq. 10) as an index table."""
+        per_node = 3 * len(self.element.vectors)
+        nodes = self.mesh.nodes_of[:, :, None] * per_node + np.arange(per_node)
+        return self.first_dof + nodes.reshape(len(nodes), -1)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns of the rod, supports not yet taken off."""
+        return self.q0.size
+
+    @cached_property
+    def axial_points(self) -> int:
+        """Gauss points along the axis for the strain energy."""
+        rule = self.rod.axial_rule
+        if rule == "default":
+            return self.element.axial_points
+        return self.element.full_points if rule == "full" else int(rule)
+
+    @cached_property
+    def axial_abscissae(self) -> Floats:
+        """Reference arc lengths (n_el, points) [m] of the axial integration points."""
+        xi, _ = gauss(self.axial_points)
+        return self.mesh.breaks[:-1, None] + 0.5 * self.mesh.h[:, None] * (1.0 + xi)
+
+    @cached_property
+    def e0(self) -> Floats:
+        """Reference nodal vectors per element (n_el, nodal, 3)."""
+        return self.q0[self.mesh.nodes_of].reshape(len(self.mesh.nodes_of), -1, 3)
+
+    @cached_property
+    def elastic(self) -> ElasticRod:
+        """Constant data of the elastic kernel; equal elements share one stiffness."""
+        xi, weight = gauss(self.axial_points)
+        # Element lengths that differ by rounding only are equal: compare 12 digits.
+        _, first, kind = np.unique(
+            np.round(self.mesh.h / self.rod.length, 12), return_index=True, return_inverse=True
+        )
+        straight = not np.any(self.rod.curvature)
+        N, H = [], []
+        for element_index in first:
+            h = self.mesh.h[element_index]
+            shape = generalised_shape(self.element, xi, h)
+            v0 = shape @ _relative(self.element, self.e0[element_index])
+            N.append(shape)
+            H.append(
+                [
+                    0.5 * h * w * section_stiffness(
+                        self.element, self.rod.section, self.rod.material, self.rod.formulation,
+                        self.rod.shear_factors, v, straight,
+                    )
+                    for w, v in zip(weight, v0, strict=True)
+                ]
+            )  # fmt: skip
+        one_kind = len(first) == 1
+        N_all, H_all = np.array(N), np.array(H)
+        columns = np.array(
+            [n * len(self.element.vectors) + self.element.vectors.index(R) for n in range(len(self.element.node_xi))]
+        )
+        return ElasticRod(
+            N_all if one_kind else N_all[kind], H_all if one_kind else H_all[kind], self.e0, columns
+        )
+
+    def section_point(self, at: float) -> SectionPoint:
+        """The section at the fraction `at` of the reference length."""
+        x = at * self.rod.length
+        breaks = self.mesh.breaks
+        index = int(np.clip(np.searchsorted(breaks, x, side="right") - 1, 0, len(breaks) - 2))
+        h = breaks[index + 1] - breaks[index]
+        xi = np.clip(np.array([2.0 * (x - breaks[index]) / h - 1.0]), -1.0, 1.0)
+        N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
+        d0 = N @ self.e0[index]
+        return SectionPoint(
+            self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section, d0)
+        )
+
+    def node_supports(self) -> list[NodeSupport]:
+        """Supports of the rod on its nodes."""
+        per_node = 3 * len(self.element.vectors)
+        found = []
+        for support in self.rod.supports:
+            x = support.at * self.rod.length
+            node = int(np.argmin(np.abs(self.mesh.node_x - x)))
+            _, frame = reference_axis(np.array([x]), self.rod.curvature)
+            rows = support_rows(support.kind, self.element, self.rod.base.rotation @ frame[0])
+            found.append(NodeSupport(self.first_dof + node * per_node + np.arange(per_node), rows))
+        return found
+
+    @property
+    def bending_stiffness(self) -> float:
+        """Smaller principal E I [N m2], the scale of forces, moments and energy."""
+        smallest = np.linalg.eigvalsh(self.rod.section.second_moments)[0]
+        return float(self.rod.material.young_modulus * smallest)
+
+    @property
+    def radius_of_gyration(self) -> float:
+        """sqrt(I / A) of the weaker bending axis [m]."""
+        smallest = np.linalg.eigvalsh(self.rod.section.second_moments)[0]
+        return float(np.sqrt(smallest / self.rod.section.area))
+
+    @property
+    def residual_floor(self) -> float:
+        """Dimensionless residual that float64 positions leave, 10 eps n_el A L^2 / I (theory: K times eps q)."""
+        eps = float(np.finfo(float).eps)
+        return 10.0 * eps * self.rod.elements * (self.rod.length / self.radius_of_gyration) ** 2
+
+
+def _relative(element: Element, e: Floats) -> Floats:
+    """Nodal vectors with positions relative to the first node, as in the elastic kernel."""
+    relative = e.copy()
+    columns = np.arange(len(e)) % len(element.vectors) == element.vectors.index(R)
+    relative[columns] -= e[element.vectors.index(R)]
+    return relative
+
+
+def make_rod_model(scene: Scene, rod: Rod, first_dof: int) -> RodModel:
+    """Mesh a rod of a scene, with element boundaries on its supports and, where it can, on its point loads.
+
+    Raises `SceneError` when the supports need more elements than the rod has.
+    """
+    element = ELEMENTS[rod.element]
+    supports = [support.at for support in rod.supports]
+    loads = [load.at for load in (*scene.moments, *scene.forces) if load.rod == rod.name]
+    try:
+        breaks = element_breaks(rod.length, rod.elements, [*supports, *loads])
+    except ValueError:
+        try:
+            breaks = element_breaks(rod.length, rod.elements, supports)
+        except ValueError as error:
+            raise SceneError(
+                Message(
+                    "The rod has too few elements for its supports.",
+                    f"rod {rod.name!r}, elements",
+                    str(error),
+                    "every support stands on an element boundary",
+                    f"set elements to at least {len(supports) + 1}",
+                )
+            ) from error
+    mesh = make_mesh(element, breaks)
+    return RodModel(rod, element, mesh, reference_nodes(rod, element, mesh.node_x), first_dof)

@@ -1,0 +1,103 @@
+"""Rotations: hat, exponential and logarithm, and the polar rotation of a section with its spin.
+
+Arrays may carry leading batch axes. Small angles use series, so nothing is singular at the straight shape.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_SMALL_ANGLE = 1e-4  # below it the series to fourth order is exact in float64 (1e-16 / 720)
+
+
+def hat(v: Floats) -> Floats:
+    """Skew matrix (..., 3, 3) with hat(v) a = v x a."""
+    v = np.asarray(v)
+    matrix = np.zeros((*v.shape, 3))
+    matrix[..., 0, 1], matrix[..., 0, 2] = -v[..., 2], v[..., 1]
+    matrix[..., 1, 0], matrix[..., 1, 2] = v[..., 2], -v[..., 0]
+    matrix[..., 2, 0], matrix[..., 2, 1] = -v[..., 1], v[..., 0]
+    return matrix
+
+
+def exp(v: Floats) -> Floats:
+    """Rotation (..., 3, 3) by the rotation vector v (..., 3) [rad] (Rodrigues)."""
+    v = np.asarray(v, dtype=float)
+    angle2 = np.sum(v * v, axis=-1)[..., None, None]
+    angle = np.sqrt(angle2)
+    small = angle < _SMALL_ANGLE
+    safe = np.where(small, 1.0, angle)
+    a = np.where(small, 1.0 - angle2 / 6.0 + angle2**2 / 120.0, np.sin(safe) / safe)
+    b = np.where(small, 0.5 - angle2 / 24.0 + angle2**2 / 720.0, 2.0 * (np.sin(0.5 * safe) / safe) ** 2)
+    skew = hat(v)
+    return np.eye(3) + a * skew + b * (skew @ skew)
+
+
+def log(rotation: Floats) -> Floats:
+    """Rotation vector (..., 3) [rad] of a rotation (..., 3, 3), angle in [0, pi].
+
+    Through the unit quaternion, which keeps all digits up to and at the angle pi.
+    """
+    m = np.asarray(rotation, dtype=float)
+    trace = np.trace(m, axis1=-2, axis2=-1)
+    # Of the four equivalent quaternion formulas, take for each rotation the one with the largest divisor.
+    outer = np.empty((*m.shape[:-2], 4, 4))
+    axial = np.stack(
+        [m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]], axis=-1
+    )
+    outer[..., 0, 0] = 1.0 + trace
+    outer[..., 0, 1:] = outer[..., 1:, 0] = axial
+    outer[..., 1:, 1:] = m + np.swapaxes(m, -1, -2) + (1.0 - trace)[..., None, None] * np.eye(3)
+    diagonal = np.diagonal(outer, axis1=-2, axis2=-1)
+    best = np.argmax(diagonal, axis=-1)[..., None, None]
+    quaternion = np.take_along_axis(outer, best, axis=-2)[..., 0, :]
+    quaternion = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    quaternion = np.where(quaternion[..., :1] < 0.0, -quaternion, quaternion)
+    sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
+    small = sine < _SMALL_ANGLE
+    safe = np.where(small, 1.0, sine)
+    half_angle = np.arctan2(safe, quaternion[..., :1])
+    factor = np.where(small, 2.0 + sine**2 / 3.0, 2.0 * half_angle / safe)
+    return factor * quaternion[..., 1:]
+
+
+@dataclass(frozen=True)
+class SectionRotation:
+    """Polar rotation of a section and what its variation needs.
+
+    A = sum_k d_k W_k^T, R = polar(A), V = A R^T (symmetric), G = tr(V) I - V, and the spin of R is
+    dw = G^-1 sum_k (R W_k) x dd_k. A has rank 2; the third singular direction follows from det R = 1.
+    """
+
+    R: Floats  # (..., 3, 3)
+    V: Floats  # (..., 3, 3) [m4]
+    G_inverse: Floats  # (..., 3, 3) [1/m4]
+    RW: Floats  # (..., directors, 3) [m4], the weights W_k turned with the section
+
+    def spin(self) -> Floats:
+        """dw/dd_k as (..., 3, directors, 3) [-]: dw = sum_k spin[:, k, :] dd_k."""
+        return np.einsum("...ij,...kjl->...ikl", self.G_inverse, hat(self.RW))
+
+
+def section_rotation(d: Floats, W: Floats) -> SectionRotation:
+    """Polar rotation of the directors d (..., directors, 3) against the reference weights W (same shape) [m4].
+
+    W_k = sum_b (int phi_k s_b dA) E_b with the section coordinates s = (y, z) and the reference directors
+    E_y, E_z: the same least-squares rotation of the section as in the 3-D solid, so that moments on both are
+    conjugate to the same spin.
+    """
+    A = np.einsum("...ki,...kj->...ij", d, W)
+    left, _, right = np.linalg.svd(A)
+    flip = np.sign(np.linalg.det(left) * np.linalg.det(right))
+    left = left.copy()
+    left[..., :, 2] *= flip[..., None]
+    R = left @ right
+    V = A @ np.swapaxes(R, -1, -2)
+    V = 0.5 * (V + np.swapaxes(V, -1, -2))
+    G = np.trace(V, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - V
+    return SectionRotation(R, V, np.linalg.inv(G), np.einsum("...ij,...kj->...ki", R, W))

@@ -1,0 +1,165 @@
+"""From a scene file (TOML) or a dictionary to a validated `Scene`.
+
+This is the border: whatever passes is finite, in SI units, in SCS, and has an equilibrium problem to solve.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ancf.errors import Message, SceneError
+from ancf.scene import Rod, Scene, SolverOptions
+from ancf.scene_loads import read_force, read_gravity, read_line_load, read_moment, read_solver
+from ancf.scene_rods import read_rod
+from ancf.scene_table import Table
+
+SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "solver")
+LATER_KEYS = ("tendon", "pressure", "contact", "joint", "stability")
+LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
+
+
+def load_scene(path: str | PathLike[str]) -> Scene:
+    """Read and check a scene file.
+
+    Parameters
+    ----------
+    path : path of a TOML file in the format of the README
+
+    Returns
+    -------
+    Scene
+        Records in SI units and SCS.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, is no TOML, or says something that cannot be simulated.
+    """
+    text = _read_text(path)
+    source = str(path)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
+        what, place = (found[1], found[2]) if found else (str(error), "")
+        raise SceneError(
+            Message(
+                "The scene file is not valid TOML.",
+                f"{source}: {place}" if place else source,
+                what,
+                "a missing quote, bracket, comma or equals sign, or a key or table given twice",
+                "correct that line; keys stand left of =, texts in quotes, lists in brackets",
+            )
+        ) from None
+    except (ValueError, RecursionError) as error:
+        raise SceneError(
+            Message(
+                "The scene file cannot be parsed.",
+                source,
+                str(error) or type(error).__name__,
+                "a number of thousands of digits, or brackets nested hundreds deep",
+                "check that this is a scene file",
+            )
+        ) from None
+    return scene_from_dict(data, source)
+
+
+def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
+    """Check a dictionary of the scene format and return it as a `Scene`.
+
+    Parameters
+    ----------
+    data : the tables of a scene file; lists may be tuples or arrays
+    where : name of the source, for messages
+
+    Raises
+    ------
+    SceneError
+        As `load_scene`.
+    """
+    table = Table(data, where)
+    table.expect_keys(SCENE_KEYS, LATER_KEYS)
+    entries = table.tables("rod")
+    if not entries:
+        table.refuse(
+            "rod",
+            "The scene has no rod.",
+            "no [[rod]] table",
+            "a scene needs at least one rod to simulate",
+            "add a [[rod]] table with length, elements, section and material",
+        )
+    rods = tuple(read_rod(entry, index) for index, entry in enumerate(entries))
+    _check_names(entries, rods)
+    scene = Scene(
+        rods=rods,
+        moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
+        forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
+        line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
+        gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
+        solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
+        title=table.text("title", ""),
+    )
+    _check_pieces(entries, scene)
+    return scene
+
+
+def _read_text(path: str | PathLike[str]) -> str:
+    """Read a scene file as UTF-8 text; a byte-order mark is dropped."""
+    source = str(path)
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise ValueError(f"it is larger than {LARGEST_FILE // 1_000_000} MB")
+        return content.decode("utf-8-sig")
+    except IsADirectoryError:
+        reason, cause, advice = "it is a directory", "a folder was named", "name the .toml file inside it"
+    except FileNotFoundError:
+        reason, cause, advice = "no such file", "a misspelt path", f"check the path from {Path.cwd()}"
+    except UnicodeDecodeError as error:
+        reason = f"byte {error.start} is not UTF-8"
+        cause, advice = "another encoding, or no text file at all", "save the file as UTF-8"
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        cause, advice = "the system refuses to read it", "check path, permissions and size"
+    raise SceneError(Message("The scene file cannot be read.", source, reason, cause, advice))
+
+
+def _check_names(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
+    """Refuse two rods of one name: loads and results go by name."""
+    names = [rod.name for rod in rods]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            entries[i].refuse(
+                "name",
+                f'Two rods are named "{name}".',
+                f"rod[{names.index(name)}] has the same name",
+                "a copied table, or a name that is another rod's default",
+                "give each rod its own name",
+            )
+
+
+def _check_pieces(entries: Sequence[Table], scene: Scene) -> None:
+    """Refuse fewer elements than there are pieces between supports and point loads.
+
+    The mesh puts an element boundary on each of them, because the solution has a kink there.
+    """
+    for entry, rod in zip(entries, scene.rods, strict=True):
+        anchors = [support.at for support in rod.supports]
+        anchors += [load.at for load in (*scene.moments, *scene.forces) if load.rod == rod.name]
+        pieces = len(np.unique(np.round([0.0, *anchors, 1.0], 12))) - 1  # as ancf.mesh.element_breaks has it
+        if pieces > rod.elements:
+            entry.refuse(
+                "elements",
+                "There are fewer elements than pieces between supports and loads.",
+                f"elements = {rod.elements}, pieces = {pieces}",
+                "an element boundary stands on each support and each point load",
+                f"take elements >= {pieces}",
+            )

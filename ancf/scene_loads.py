@@ -1,0 +1,134 @@
+"""Reading of the effects a scene lists (moments, forces, line loads, gravity) and of `[solver]`.
+
+Vectors leave this module in SCS: what was given with ``frame = "body"`` is turned with the rod's base.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions
+from ancf.scene_table import FRACTION, Limit, Table, nearest, show
+from ancf.units import (
+    ACCELERATION,
+    FORCE,
+    FORCE_PER_LENGTH,
+    LENGTH,
+    MOMENT,
+    NUMBER,
+    TIME,
+    Dimension,
+)
+
+MOST_STEPS = 1_000_000
+DIRECTIONS = ("fixed", "follower")
+TOLERANCE = Limit(lambda v: 0.0 < v <= 1e-2, "inside (0, 1e-2]")
+SECONDS = Limit(lambda v: v > 0.0, "> 0")
+
+
+def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
+    """Read one `[[moment]]`."""
+    table.expect_keys(("rod", "at", "value", "frame", "direction", "definition"))
+    rod = _rod_of(table, rods)
+    return Moment(
+        rod=rod.name,
+        at=table.number("at", NUMBER, 1.0, FRACTION),
+        value=_value(table, rod, MOMENT),
+        direction=table.word("direction", DIRECTIONS, "fixed"),
+        definition=table.word("definition", ("section", "vorticity"), "section"),
+    )
+
+
+def read_force(table: Table, rods: Sequence[Rod]) -> Force:
+    """Read one `[[force]]`; its point of action must not lie outside the circle around the section."""
+    table.expect_keys(("rod", "at", "offset", "value", "frame", "direction"))
+    rod = _rod_of(table, rods)
+    offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
+    distance, reach = math.hypot(*offset), rod.section.outer_radius
+    if distance > reach * (1.0 + 1e-9):
+        table.refuse(
+            "offset",
+            "The force acts outside the section.",
+            f"offset = [{offset[0]:g}, {offset[1]:g}] m is {distance:.4g} m off the axis,"
+            f" the section reaches {reach:.4g} m",
+            "offset is measured from the axis in metres, or the wrong rod is named",
+            "move the point into the section, or replace the lever by a [[moment]]",
+        )
+    return Force(
+        rod=rod.name,
+        at=table.number("at", NUMBER, 1.0, FRACTION),
+        value=_value(table, rod, FORCE),
+        offset=offset,
+        direction=table.word("direction", DIRECTIONS, "fixed"),
+    )
+
+
+def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
+    """Read one `[[line_load]]`."""
+    table.expect_keys(("rod", "value", "frame", "direction"))
+    rod = _rod_of(table, rods)
+    return LineLoad(
+        rod=rod.name,
+        value=_value(table, rod, FORCE_PER_LENGTH),
+        direction=table.word("direction", DIRECTIONS, "fixed"),
+    )
+
+
+def read_gravity(table: Table, rods: Sequence[Rod], source: str) -> Gravity:
+    """Read `[gravity]`; every rod then needs a density."""
+    table.expect_keys(("acceleration",))
+    acceleration = table.vector("acceleration", 3, ACCELERATION)
+    for i, rod in enumerate(rods):
+        if rod.material.density is None:
+            Table({}, source, f"rod[{i}].material").refuse(
+                "density",
+                "Gravity needs a density.",
+                f'rod "{rod.name}" has none',
+                "the scene lists [gravity], which pulls on every rod",
+                "add density = ... [kg/m^3] to its material, or remove [gravity]",
+            )
+    return Gravity(acceleration)
+
+
+def read_solver(table: Table) -> SolverOptions:
+    """Read `[solver]`; every key has a default."""
+    known = ("tolerance", "tangent", "method", "predictor", "reduction", "max_steps", "max_seconds")
+    table.expect_keys(known, later=("accuracy",))
+    table.word("method", ("newton",), "newton", later=("arclength",))
+    defaults = SolverOptions()
+    return SolverOptions(
+        tolerance=table.number("tolerance", NUMBER, defaults.tolerance, TOLERANCE),
+        tangent=table.word("tangent", ("analytic", "finite-difference"), defaults.tangent),
+        predictor=table.word("predictor", ("auto", "none"), defaults.predictor),
+        reduction=table.word("reduction", ("auto", "full"), defaults.reduction, later=("planar",)),
+        max_steps=table.whole("max_steps", 1, MOST_STEPS, defaults.max_steps),
+        max_seconds=table.number("max_seconds", TIME, defaults.max_seconds, SECONDS),
+    )
+
+
+def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
+    """Return the rod a load names, by default the first."""
+    name = table.text("rod", rods[0].name)
+    names = [rod.name for rod in rods]
+    if name not in names:
+        close = nearest(name, names)
+        table.refuse(
+            "rod",
+            f"There is no rod named {show(name)}.",
+            f"{show(name)} is none of {', '.join(names)}",
+            "a misspelt name" if close else "the load stands on a rod that the scene does not list",
+            f'did you mean "{close}"?' if close else f'write rod = "{names[0]}"',
+        )
+    return rods[names.index(name)]
+
+
+def _value(table: Table, rod: Rod, dimension: Dimension) -> NDArray[np.float64]:
+    """Read the vector (3,) of a load and return it in SCS: A_o value for ``frame = "body"`` (paper eq. 2)."""
+    value = table.vector("value", 3, dimension)
+    if table.word("frame", ("structure", "body"), "structure") == "body":
+        value = rod.base.rotation @ value
+    return value

@@ -1,0 +1,331 @@
+"""Reading of `[[rod]]` tables: size, section, material, base, supports and stress-free curvature.
+
+Whatever would make the rod's equations meaningless is refused here, so that the kernels need no checks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.materials import SaintVenantKirchhoff
+from ancf.mesh import reference_axis
+from ancf.scene import Frame, Rod, Support
+from ancf.scene_table import FRACTION, MODULUS, REQUIRED, SIZE, Limit, Table, show
+from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
+from ancf.units import CURVATURE, DENSITY, LENGTH, NUMBER, STRESS
+
+Floats = NDArray[np.float64]
+
+ROD_KEYS = (
+    "name",
+    "length",
+    "elements",
+    "element",
+    "formulation",
+    "axial_rule",
+    "section",
+    "material",
+    "base",
+    "supports",
+    "curvature",
+    "shear_factors",
+)
+SECTION_KEYS = {
+    "circle": ("radius",),
+    "annulus": ("radius", "inner_radius"),
+    "rectangle": ("height_y", "width_z"),
+    "ellipse": ("semi_axis_y", "semi_axis_z"),
+    "polygon": ("points",),
+}
+ELEMENTS = ("3333", "3243")
+LATER_ELEMENTS = ("3343", "3363", "cable")
+LATER_LAWS = ("neo-hookean", "mooney-rivlin")
+SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
+
+MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
+MOST_CORNERS = 1000  # the test for crossing edges compares every pair
+SAME_PLACE = 1e-9  # of the length; two supports closer than this hold the same section
+LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
+POISSON = Limit(lambda v: -1.0 < v < 0.5, "inside (-1, 0.5), both ends excluded")
+SIGNED = Limit(lambda v: abs(v) <= 1e20, "between -1e20 and 1e20")
+SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
+
+
+def read_rod(table: Table, index: int) -> Rod:
+    """Read one `[[rod]]` table; rods without a name are called "rod", "rod2", ... by their place."""
+    table.expect_keys(ROD_KEYS, later=("segments",))
+    length = table.number("length", LENGTH, limit=SIZE)
+    section = _section(table.table("section"))
+    formulation = table.word("formulation", ("enhanced", "continuum"), "enhanced")
+    rod = Rod(
+        name=_name(table, "rod" if index == 0 else f"rod{index + 1}"),
+        length=length,
+        elements=table.whole("elements", 1, MOST_ELEMENTS),
+        section=section,
+        material=_material(table.table("material")),
+        element=table.word("element", ELEMENTS, "3333", LATER_ELEMENTS),
+        formulation=formulation,
+        axial_rule=_axial_rule(table),
+        base=_base(table.table("base", {})),
+        supports=_supports(table),
+        curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
+        shear_factors=_shear_factors(table, formulation),
+    )
+    _check_curvature(table, rod)
+    _check_rigid_motion(table, rod)
+    return rod
+
+
+def _name(table: Table, default: str) -> str:
+    name = table.text("name", default)
+    if not name.strip() or not name.isprintable():
+        table.refuse(
+            "name",
+            "The rod's name is empty or not printable.",
+            show(name),
+            "results are listed by this name",
+            'give a word, such as name = "arm"',
+        )
+    return name
+
+
+def _section(table: Table) -> Section:
+    """Read the cross-section; each shape knows its own keys."""
+    shape = table.word("shape", tuple(SECTION_KEYS))
+    table.expect_keys(("shape", *SECTION_KEYS[shape]))
+    if shape == "polygon":
+        return _polygon(table)
+    sizes = {key: table.number(key, LENGTH, limit=SIZE) for key in SECTION_KEYS[shape]}
+    if shape == "annulus" and sizes["inner_radius"] >= sizes["radius"]:
+        table.refuse(
+            "inner_radius",
+            "The annulus has no wall.",
+            f"inner_radius = {sizes['inner_radius']:g} m >= radius = {sizes['radius']:g} m",
+            "the two radii are swapped, or diameters and radii are mixed",
+            "give inner_radius < radius",
+        )
+    shapes = {"circle": Circle, "annulus": Annulus, "rectangle": Rectangle, "ellipse": Ellipse}
+    return shapes[shape](**sizes)
+
+
+def _polygon(table: Table) -> Polygon:
+    """Read a polygon: at least three corners, simple, counter-clockwise, with an area."""
+    corners = table.items("points", REQUIRED, "a list of [y, z] pairs")
+    expected = f"3 to {MOST_CORNERS} corners [y, z]"
+    if not 3 <= len(corners) <= MOST_CORNERS:
+        table.refuse(
+            "points",
+            f"The polygon has {len(corners)} corners.",
+            f"{len(corners)} given; {expected} are needed",
+            "too few corners enclose no area" if len(corners) < 3 else "the outline is finer than a section needs",
+            f"give {expected}",
+        )
+    rows = Table({f"points[{i}]": corner for i, corner in enumerate(corners)}, table.source, table.path)
+    points = np.array([rows.vector(key, 2, LENGTH, limit=SIGNED) for key in rows.data])
+    scaled = points - points[0]
+    size = float(np.max(np.abs(scaled)))
+    following = np.roll(scaled, -1, axis=0)
+    area = 0.5 * float(np.sum(scaled[:, 0] * following[:, 1] - following[:, 0] * scaled[:, 1]))
+    advice = "list the corners once around, counter-clockwise seen with y to the right and z up"
+    if size < 1e-20 or abs(area) < 1e-12 * size**2:
+        table.refuse(
+            "points", "The polygon has no area.", f"area = {area:.3g} m2", "all corners lie on one line", advice
+        )
+    crossing = _crossing_edges(scaled / size)
+    if crossing:
+        first, second = crossing
+        table.refuse(
+            "points",
+            "The polygon crosses or touches itself.",
+            f"the edges after points[{first}] and points[{second}] meet",
+            "corners in a wrong order, or the first corner repeated at the end",
+            advice,
+        )
+    if area < 0.0:
+        table.refuse(
+            "points",
+            "The polygon runs clockwise.",
+            f"signed area = {area:.3g} m2, must be > 0",
+            "the corners are listed the wrong way round",
+            "reverse the list: " + advice,
+        )
+    return Polygon(tuple((float(y), float(z)) for y, z in points))
+
+
+def _crossing_edges(points: Floats) -> tuple[int, int] | None:
+    """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon."""
+    n = len(points)
+    ends = np.roll(points, -1, axis=0)
+    for i in range(n):
+        if np.array_equal(points[i], ends[i]):
+            return i, (i + 1) % n
+        after = (i + 1) % n
+        fold = (ends[i] - points[i], ends[after] - points[after])
+        if _cross(*fold) == 0.0 and fold[0] @ fold[1] < 0.0:  # an edge that runs back over the one before
+            return i, after
+        others = np.arange(i + 2, n - (i == 0))
+        if len(others) == 0:
+            continue
+        a, b, c, d = points[i], ends[i], points[others], ends[others]
+        side_c, side_d = _cross(b - a, c - a), _cross(b - a, d - a)
+        side_a, side_b = _cross(d - c, a - c), _cross(d - c, b - c)
+        boxes = np.all((np.minimum(c, d) <= np.maximum(a, b)) & (np.minimum(a, b) <= np.maximum(c, d)), axis=1)
+        meets = boxes & (side_c * side_d <= 0.0) & (side_a * side_b <= 0.0)
+        if meets.any():
+            return i, int(others[np.argmax(meets)])
+    return None
+
+
+def _cross(u: Floats, v: Floats) -> Floats:
+    """z-component of u x v for plane vectors (..., 2)."""
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+
+def _material(table: Table) -> SaintVenantKirchhoff:
+    table.word("law", ("saint-venant-kirchhoff",), "saint-venant-kirchhoff", LATER_LAWS)
+    table.expect_keys(("law", "young_modulus", "poisson_ratio", "density"), ("c10", "c01", "bulk_modulus"))
+    density = table.number("density", DENSITY, limit=MODULUS) if "density" in table.data else None
+    return SaintVenantKirchhoff(
+        young_modulus=table.number("young_modulus", STRESS, limit=MODULUS),
+        poisson_ratio=table.number("poisson_ratio", NUMBER, limit=POISSON),
+        density=density,
+    )
+
+
+def _axial_rule(table: Table) -> str | int:
+    if isinstance(table.get("axial_rule", "default"), str):
+        return table.word("axial_rule", ("default", "full"), "default")
+    return table.whole("axial_rule", 1, 10)
+
+
+def _shear_factors(table: Table, formulation: str) -> tuple[float, float]:
+    k_y, k_z = table.vector("shear_factors", 2, NUMBER, (1.0, 1.0), SHEAR_FACTOR)
+    if formulation != "enhanced" and (k_y, k_z) != (1.0, 1.0):
+        table.refuse(
+            "shear_factors",
+            "shear_factors belong to the enhanced formulation.",
+            f'[{k_y:g}, {k_z:g}] with formulation = "{formulation}"',
+            "the continuum's shear stiffness follows from Young's modulus and Poisson ratio alone",
+            'set formulation = "enhanced", or remove shear_factors',
+        )
+    return float(k_y), float(k_z)
+
+
+def _base(table: Table) -> Frame:
+    """Read the base: BCS axes normalised, y made orthogonal to x, z = x cross y (paper eq. 2-3)."""
+    table.expect_keys(("position", "x_axis", "y_axis"))
+    position = table.vector("position", 3, LENGTH, (0.0, 0.0, 0.0))
+    x_axis = _direction(table, "x_axis", (1.0, 0.0, 0.0))
+    y_axis = _direction(table, "y_axis", (0.0, 1.0, 0.0))
+    y_axis = y_axis - (y_axis @ x_axis) * x_axis
+    sine = float(np.linalg.norm(y_axis))
+    if sine < LEAST_ANGLE:
+        table.refuse(
+            "y_axis",
+            "x_axis and y_axis are parallel.",
+            f"the sine of their angle is {sine:.3g}, must be >= {LEAST_ANGLE:g}",
+            "only one of the two was given and the default of the other points the same way"
+            if len(table.data.keys() & {"x_axis", "y_axis"}) == 1
+            else "the two axes do not span a plane",
+            "give a y_axis that points along the section's y, across x_axis",
+        )
+    y_axis = y_axis / sine
+    # A second pass removes what cancellation in the first one left along x.
+    y_axis = y_axis - (y_axis @ x_axis) * x_axis
+    y_axis = y_axis / np.linalg.norm(y_axis)
+    return Frame(position, np.column_stack([x_axis, y_axis, np.cross(x_axis, y_axis)]))
+
+
+def _direction(table: Table, key: str, default: tuple[float, float, float]) -> Floats:
+    """Read an axis (3,) and normalise it; dividing by the largest component first avoids overflow."""
+    vector = table.vector(key, 3, NUMBER, default)
+    largest = np.max(np.abs(vector))
+    if largest == 0.0:
+        table.refuse(
+            key, f"{key} has no direction.", "[0, 0, 0]", "a zero vector", f"give {key} at least one component"
+        )
+    vector = vector / largest
+    return vector / np.linalg.norm(vector)
+
+
+def _supports(table: Table) -> tuple[Support, ...]:
+    """Read the supports; a rod without the key is clamped at its base."""
+    if "supports" not in table.data:
+        return (Support(),)
+    supports = []
+    for entry in table.tables("supports"):
+        entry.expect_keys(("at", "kind"))
+        at = entry.number("at", NUMBER, 0.0, FRACTION)
+        twin = next((i for i, other in enumerate(supports) if abs(other.at - at) < SAME_PLACE), None)
+        if twin is not None:
+            entry.refuse(
+                "at",
+                "Two supports hold the same section.",
+                f"at = {at:g}, as in supports[{twin}]",
+                "a support was written twice",
+                "keep one of them",
+            )
+        supports.append(Support(at, entry.word("kind", SUPPORT_KINDS, "clamp")))
+    if not supports:
+        table.refuse(
+            "supports",
+            "The rod has no support.",
+            "supports = []",
+            "a free rod has no equilibrium under a load, and joints that could hold it are not in this version",
+            "remove the key (a clamp at 0), or list at least one clamp",
+        )
+    return tuple(supports)
+
+
+def _check_curvature(table: Table, rod: Rod) -> None:
+    """Refuse a stress-free curvature that folds the section (det J_0 <= 0) or the elements."""
+    # x = 0 is representative: the curvature is constant in section axes, so det J_0 = 1 + k_y z - k_z y.
+    bending = math.hypot(rod.curvature[1], rod.curvature[2])
+    reach = bending * rod.section.outer_radius
+    if reach >= 1.0:
+        table.refuse(
+            "curvature",
+            "The rod is bent more sharply than its section is thick.",
+            f"curvature x outer radius = {bending:g} x {rod.section.outer_radius:g} = {reach:.3g}, must be < 1",
+            "material on the inside would lie beyond the centre of curvature (det J_0 <= 0)",
+            "reduce the curvature [1/m] or the section",
+        )
+    angle = float(np.linalg.norm(rod.curvature)) * rod.length / rod.elements
+    if angle > math.pi / 2:
+        table.refuse(
+            "curvature",
+            "The elements are too long for this curvature.",
+            f"each element turns by {math.degrees(angle):.4g} degrees, must be <= 90",
+            "an element cannot follow more than a quarter turn",
+            f"take elements >= {math.ceil(2.0 * angle * rod.elements / math.pi):.6g}, or reduce the curvature [1/m]",
+        )
+
+
+def _check_rigid_motion(table: Table, rod: Rod) -> None:
+    """Refuse supports that leave the rod free to move without straining.
+
+    Either kind of clamp holds all six motions. Pins hold positions only: one pin leaves three rotations,
+    pins on one line leave the spin about it, three pins off one line hold the rod.
+    """
+    if any(support.kind != "pin" for support in rod.supports):
+        return
+    at = np.array([support.at for support in rod.supports])
+    position, _ = reference_axis(at * rod.length, rod.curvature)
+    spread = np.linalg.svd((position - position.mean(axis=0)) / rod.length, compute_uv=False)
+    if len(at) >= 3 and spread[1] > LEAST_ANGLE:
+        return
+    free = (
+        "one pin leaves all three rotations about it free"
+        if len(at) == 1
+        else f"{len(at)} pins on one line leave the spin about that line free"
+    )
+    table.refuse(
+        "supports",
+        "The supports leave the rod free to move as a rigid body.",
+        f"{free}; at = {', '.join(f'{a:g}' for a in at)}",
+        "a pin holds the position of the axis and no rotation",
+        'make one of them a clamp: { at = 0.0, kind = "clamp" }',
+    )

@@ -1,0 +1,158 @@
+r"""Strain energy of a section as a quadratic form in products of a few vectors (the Gram form).
+
+At one axial point the columns of the position gradient are combinations of the *generalised vectors*
+
+    v = (d_0', d_1', ..., d_1, d_2, ...)   (r_x, r_yx, r_zx, r_y, r_z for a linear section),
+
+J_e = sum_i v_i a_i(y, z)^T. Green-Lagrange strain is linear in the products v_i . v_j minus their
+reference values, gamma_p = v_i . v_j - v0_i . v0_j for pairs p = (i, j), i <= j. A Saint Venant-Kirchhoff
+section therefore has the energy (per weight of the axial rule)
+
+    U = 1/2 gamma^T H gamma,   H = int B^T D B det J_0 dA,   strain = B gamma,
+
+with H constant: exact over the section, objective by construction, zero without round-off when unstressed.
+
+Symbols
+-------
+R_0  section frame of the reference at the axial point: x normal to the section, y and z nearest to r_y, r_z
+J_0  reference gradient; J_l = R_0^T J_0 the same in section axes, constant over straight sections only
+B    (6, pairs) strain-displacement matrix in section axes, Voigt order of materials.py
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import Element
+from ancf.errors import Message, SceneError
+from ancf.materials import VOIGT, SaintVenantKirchhoff
+from ancf.sections import Section
+
+Floats = NDArray[np.float64]
+
+# Straight: strains are quadratic in (y, z) at most for linear sections, so their products have degree 4.
+STRAIGHT_DEGREE = 4
+# Curved: J_0^-1 and det J_0 make the integrand a quotient 1/(1 - kappa y)^3; degree 16 leaves 1e-12 at kappa R = 0.1.
+CURVED_DEGREE = 16
+
+
+def pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Index pairs (i, j), i <= j, of the symmetric products of `count` generalised vectors."""
+    return np.triu_indices(count)
+
+
+def gradient_weights(element: Element, y: Floats, z: Floats) -> Floats:
+    """Coefficients a (n, generalised vectors, 3) with J_e = sum_i v_i a_i^T at section points (y, z)."""
+    phi, phi_y, phi_z = element.section_monomials(y, z)
+    count = len(element.directors)
+    weights = np.zeros((len(phi), 2 * count - 1, 3))
+    weights[:, :count, 0] = phi
+    weights[:, count:, 1] = phi_y[:, 1:]
+    weights[:, count:, 2] = phi_z[:, 1:]
+    return weights
+
+
+def generalised_shape(element: Element, xi: Floats, h: float) -> Floats:
+    """Map (n, generalised vectors, nodal vectors of the element) from nodal vectors to v at xi (n,)."""
+    value, slope = element.shape(xi, h), element.shape(xi, h, derivative=1)
+    return np.concatenate([slope, value[:, 1:]], axis=1)
+
+
+def section_frame(element: Element, v0: Floats) -> Floats:
+    """Section frame R_0 (3, 3) of the reference vectors v0 (generalised vectors, 3)."""
+    r_y, r_z = _linear_directors(element, v0)
+    normal = np.cross(r_y, r_z)
+    frame = np.column_stack([normal / np.linalg.norm(normal), r_y, r_z])
+    left, _, right = np.linalg.svd(frame)
+    return left @ right
+
+
+def _linear_directors(element: Element, v0: Floats) -> tuple[Floats, Floats]:
+    count = len(element.directors)
+    y_index, z_index = element.directors.index((1, 0)), element.directors.index((0, 1))
+    return v0[count + y_index - 1], v0[count + z_index - 1]
+
+
+def local_gradient(element: Element, v0: Floats, y: Floats, z: Floats) -> tuple[Floats, Floats]:
+    """Reference gradient in section axes J_l (n, 3, 3) and the coefficients a J_l^-1 (n, vectors, 3).
+
+    F = J_e (R_0^T J_0)^-1 = sum_i v_i (a_i J_l^-1)^T, so the second result gives F and the strain in section
+    axes for any v. Raises `SceneError` when det J_0 <= 0: the section reaches past the centre of curvature.
+    """
+    weights = gradient_weights(element, y, z)
+    J_l = np.einsum("ba,bi,nij->naj", section_frame(element, v0), v0.T, weights)
+    determinant = np.linalg.det(J_l)
+    if np.min(determinant) <= 0.0:
+        worst = int(np.argmin(determinant))
+        raise SceneError(
+            Message(
+                "The reference configuration overlaps itself.",
+                f"section point y = {y[worst]:.3g} m, z = {z[worst]:.3g} m",
+                f"det J_0 = {determinant[worst]:.3g}, must be positive",
+                "the curvature is larger than 1 / section radius, or elements are too long for it",
+                "reduce `curvature` or the section, or use more elements",
+            )
+        )
+    return J_l, weights @ np.linalg.inv(J_l)
+
+
+def strain_matrix(weights_local: Floats) -> Floats:
+    """B (n, 6, pairs): Green-Lagrange strain in section axes (shear doubled) from the products gamma."""
+    i, j = pairs(weights_local.shape[1])
+    B = np.empty((len(weights_local), 6, len(i)))
+    half = np.where(i == j, 0.5, 1.0)  # an off-diagonal product stands for two entries of the Gram matrix
+    for row, (a, b) in enumerate(VOIGT):
+        product = weights_local[:, i, a] * weights_local[:, j, b] + weights_local[:, j, a] * weights_local[:, i, b]
+        B[:, row] = product * half * (0.5 if a == b else 1.0)
+    return B
+
+
+def section_stiffness(
+    element: Element,
+    section: Section,
+    material: SaintVenantKirchhoff,
+    formulation: str,
+    shear_factors: tuple[float, float],
+    v0: Floats,
+    straight: bool,
+) -> Floats:
+    """Matrix H (pairs, pairs) [N m^(...)] of one axial point, without the axial weight.
+
+    Parameters
+    ----------
+    formulation : ``continuum`` integrates the full Hooke matrix over the section (paper eq. 16-17);
+        ``enhanced`` takes D0 over the section and the Poisson part Dv on the axis times the area
+    v0 : reference generalised vectors (generalised vectors, 3)
+    straight : whether J_0 is constant over the section
+    """
+    y, z, weight = section.quadrature(STRAIGHT_DEGREE if straight else CURVED_DEGREE)
+    if formulation == "continuum":
+        return _integrate(element, v0, y, z, weight, material.hooke())
+    volume, axis = material.enhanced(shear_factors)
+    centre = np.zeros(1)
+    return _integrate(element, v0, y, z, weight, volume) + _integrate(
+        element, v0, centre, centre, np.array([section.area]), axis
+    )
+
+
+def _integrate(element: Element, v0: Floats, y: Floats, z: Floats, weight: Floats, D: Floats) -> Floats:
+    J_l, weights_local = local_gradient(element, v0, y, z)
+    B = strain_matrix(weights_local)
+    H = np.einsum("n,nap,ab,nbq->pq", weight * np.linalg.det(J_l), B, D, B, optimize=True)
+    return 0.5 * (H + H.T)
+
+
+def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
+    """Weights W (..., directors, 3) [m4] of the section rotation: W_k = sum_b (int phi_k s_b dA) E_b.
+
+    d0 (..., directors, 3) are the reference directors, whose (1, 0) and (0, 1) rows are E_y and E_z.
+    """
+    y, z, weight = section.quadrature(STRAIGHT_DEGREE)
+    phi, _, _ = element.section_monomials(y, z)
+    moments = np.einsum("n,nk,nb->kb", weight, phi, np.column_stack([y, z]))
+    moments[0] = 0.0  # the axis runs through the centroid; remove the rounding
+    E = np.stack([d0[..., element.directors.index(m), :] for m in ((1, 0), (0, 1))], axis=-2)
+    return np.einsum("kb,...bi->...ki", moments, E)
+
+

@@ -1,0 +1,235 @@
+"""The result of a solve: a record with poses, section forces, reactions, and the JSON form of interface.md."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.errors import Message
+from ancf.rotation import section_rotation
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from scipy import sparse
+
+    from ancf.model import Model
+    from ancf.newton import Iteration
+    from ancf.rod_model import RodModel
+    from ancf.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+class Status(enum.StrEnum):
+    """How a solve ended; every value but `CONVERGED` comes with a reason and the last equilibrium found."""
+
+    CONVERGED = "converged"
+    NOT_CONVERGED = "not_converged"
+    LIMIT_POINT = "limit_point"
+    INVERTED_ELEMENT = "inverted_element"
+    NOT_FINITE = "not_finite"
+    MATERIAL_UNSTABLE = "material_unstable"
+    OUT_OF_TIME = "out_of_time"
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A section in SCS: absolute position [m], position gradients [-], rotation from the reference section."""
+
+    position: Floats  # (3,)
+    r_x: Floats  # (3,)
+    r_y: Floats  # (3,)
+    r_z: Floats  # (3,)
+    rotation: Floats  # (3, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class SectionForces:
+    """Section force n [N] and moment m [N m] in SCS at the axial integration points.
+
+    n = dU/dr_x and m = sum_k d_k x dU/dd_k' per reference length: the resultants of the first Piola-Kirchhoff
+    stress on the section, the moment about its point on the axis.
+    """
+
+    x: Floats  # (m,) reference arc length [m]
+    at: Floats  # (m,) fraction of the reference length
+    force: Floats  # (m, 3)
+    moment: Floats  # (m, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """An equilibrium, or the last one found on the way, with the account of how it was found."""
+
+    scene: Scene
+    model: Model
+    q: Floats  # (n,) nodal coordinates, positions relative to each rod's base
+    status: Status
+    reason: str
+    message: Message | None
+    load_factor: float
+    steps: int
+    cutbacks: int
+    residual: float
+    residual_floor: float
+    history: list[Iteration]
+    seconds: dict[str, float]
+    effects: dict[str, dict[str, float]]
+    reductions: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def iterations(self) -> int:
+        """Linear solves in all."""
+        return len(self.history)
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns that the supports leave free."""
+        return self.model.unknowns
+
+    def _rod(self, name: str | None) -> RodModel:
+        if name is None:
+            return self.model.rods[0]
+        for rod in self.model.rods:
+            if rod.rod.name == name:
+                return rod
+        raise KeyError(f"the scene has no rod named {name!r}; it has {[r.rod.name for r in self.model.rods]}")
+
+    def _nodal(self, rod: RodModel) -> Floats:
+        return self.q[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
+
+    def pose(self, name: str | None, at: float) -> Pose:
+        """Pose of the section at a fraction of the reference length; the first rod if `name` is None."""
+        rod = self._rod(name)
+        point = rod.section_point(at)
+        e = self.q[point.dofs].reshape(-1, 3)
+        d = point.N @ e
+        y, z = (rod.element.directors.index(m) for m in ((1, 0), (0, 1)))
+        rotation = section_rotation(d, point.W).R
+        return Pose(d[0] + rod.rod.base.position, point.N_x[0] @ e, d[y], d[z], rotation)
+
+    def tip(self, name: str | None = None) -> Pose:
+        """Pose of the end x = L."""
+        return self.pose(name, 1.0)
+
+    def nodes(self, name: str | None = None) -> Floats:
+        """Absolute positions of the nodes (n_nodes, 3) [m]."""
+        rod = self._rod(name)
+        return self._nodal(rod)[:, 0] + rod.rod.base.position
+
+    def displaced(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
+        """Absolute positions (..., 3) [m] of material points (at, y, z), broadcast against each other."""
+        rod = self._rod(name)
+        return _material_points(rod, self._nodal(rod), at, y, z)
+
+    def reference(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
+        """Reference positions (..., 3) [m] of the same material points."""
+        rod = self._rod(name)
+        return _material_points(rod, rod.q0, at, y, z)
+
+    def strain_energy(self, name: str | None = None) -> float:
+        """Strain energy of a rod [J]."""
+        rod = self._rod(name)
+        return rod.elastic.energy(self.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
+
+    @cached_property
+    def _support_force(self) -> Floats:
+        """Generalised force (n,) that the supports exert."""
+        g = self.model.residual(self.q).at(self.load_factor)
+        return g - self.model.project(g)
+
+    def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
+        """Force (3,) [N] and moment (3,) [N m] about the rod's base that all its supports exert on the rod."""
+        rod = self._rod(name)
+        Q = self._support_force[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
+        return Q[:, 0].sum(axis=0), np.cross(self._nodal(rod), Q).sum(axis=(0, 1))
+
+    def section_forces(self, name: str | None = None) -> SectionForces:
+        """Section force and moment along the rod."""
+        rod = self._rod(name)
+        v = rod.elastic.generalised(self.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
+        count = len(rod.element.directors)
+        _, weight = _gauss_weights(rod)
+        Q_v = rod.elastic.vector_force(v) / weight[..., None, None]
+        # d_k x dU/dd_k'; the axis itself (k = 0) carries force, not moment.
+        moment = np.cross(v[:, :, count:], Q_v[:, :, 1:count]).sum(axis=2)
+        x = rod.axial_abscissae.ravel()
+        return SectionForces(x, x / rod.rod.length, Q_v[:, :, 0].reshape(-1, 3), moment.reshape(-1, 3))
+
+    def tangent(self) -> sparse.csr_array:
+        """Tangent dg/dq on the free unknowns [SI units], sparse."""
+        return self.model.supported_tangent(self.q, self.load_factor)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the nodal state to a .npz file that `ancf.resume` reads."""
+        from ancf.state import save_state
+
+        save_state(path, self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The result of interface.md in plain Python; every number is finite."""
+        import ancf
+
+        rods = {}
+        for rod in self.model.rods:
+            name = rod.rod.name
+            tip = self.tip(name)
+            force, moment = self.reaction(name)
+            rods[name] = {
+                "tip": {
+                    "position": tip.position.tolist(),
+                    "r_x": tip.r_x.tolist(),
+                    "r_y": tip.r_y.tolist(),
+                    "r_z": tip.r_z.tolist(),
+                    "rotation": tip.rotation.tolist(),
+                },
+                "nodes": self.nodes(name).tolist(),
+                "strain_energy": self.strain_energy(name),
+                "reaction": {"force": force.tolist(), "moment": moment.tolist()},
+            }
+        return {
+            "schema": 1,
+            "title": self.scene.title,
+            "status": str(self.status),
+            "reason": self.reason,
+            "rods": rods,
+            "steps": self.steps,
+            "cutbacks": self.cutbacks,
+            "iterations": self.iterations,
+            "residual": self.residual,
+            "residual_floor": self.residual_floor,
+            "load_factor": self.load_factor,
+            "effects": self.effects,
+            "reductions": self.reductions,
+            "seconds": self.seconds,
+            "error_estimate": None,
+            "unknowns": self.unknowns,
+            "warnings": self.warnings,
+            "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
+        }
+
+
+def _gauss_weights(rod: RodModel) -> tuple[Floats, Floats]:
+    from ancf.quadrature import gauss
+
+    xi, weight = gauss(rod.axial_points)
+    return xi, 0.5 * rod.mesh.h[:, None] * weight
+
+
+def _material_points(rod: RodModel, nodal: Floats, at: Floats, y: Floats, z: Floats) -> Floats:
+    at, y, z = np.broadcast_arrays(np.asarray(at, float), np.asarray(y, float), np.asarray(z, float))
+    points = np.empty((*at.shape, 3))
+    for fraction in np.unique(at):
+        here = at == fraction
+        point = rod.section_point(float(fraction))
+        first = point.dofs - rod.first_dof
+        phi, _, _ = rod.element.section_monomials(y[here], z[here])
+        points[here] = phi @ (point.N @ nodal.ravel()[first].reshape(-1, 3))
+    return points + rod.rod.base.position

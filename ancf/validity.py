@@ -1,0 +1,84 @@
+"""What the chosen element and law cannot do, said as warnings in every result that leaves their range."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ancf.rotation import section_rotation
+from ancf.sections import Annulus, Circle
+from ancf.section_energy import local_gradient, strain_matrix
+
+if TYPE_CHECKING:
+    from ancf.rod_model import RodModel
+    from ancf.solution import Solution
+
+# Saint Venant-Kirchhoff in bending departs from every rubber by about 1.4 (kappa R)^2: 1 % at this strain.
+STRAIN_LIMIT = 0.08
+# Curvature-thickness locking of full axial rules reaches 1 % of the tip at this slenderness of an element.
+LOCKING_SLENDERNESS = 25.0
+# A circle's J; other linear sections twist without warping and are too stiff by more than this.
+TORSION_SHARE = 1e-3
+
+
+def validity_warnings(solution: Solution) -> list[str]:
+    """Warnings of a solution, one sentence each with the number that caused it."""
+    found = []
+    for rod in solution.model.rods:
+        found += [f"rod {rod.rod.name!r}: {text}" for text in _of_rod(solution, rod)]
+    return found
+
+
+def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
+    spec, found = rod.rod, []
+    nu = spec.material.poisson_ratio
+    if spec.formulation == "continuum" and nu != 0.0:
+        factor = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+        found.append(
+            f"known limit: formulation \"continuum\" with a linear section bends as if E I were {factor:.4g} times "
+            f"its value at nu = {nu:g} (Poisson locking, at every mesh); use \"enhanced\""
+        )
+    strain = largest_strain(solution, rod)
+    if strain > STRAIN_LIMIT:
+        found.append(
+            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff and a linear "
+            "section depart from a real solid there, by about 1.4 times the strain squared in bending"
+        )
+    slenderness = spec.length / spec.elements / rod.radius_of_gyration
+    locks = rod.element.name == "3243" or rod.axial_points > 2
+    if locks and slenderness > LOCKING_SLENDERNESS:
+        found.append(
+            f"element {rod.element.name} with {rod.axial_points} axial points locks when bent at element length / radius "
+            f"of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its default rule, or more elements"
+        )
+    if not isinstance(spec.section, Circle | Annulus):
+        share = twist_energy_share(solution, rod)
+        if share > TORSION_SHARE:
+            found.append(
+                f"known limit: torsion carries {share:.1%} of the section work and the sections of element "
+                f"{rod.element.name} cannot warp: their torsion stiffness is G (I_y + I_z), too high unless round"
+            )
+    return found
+
+
+def largest_strain(solution: Solution, rod: RodModel) -> float:
+    """Largest Green-Lagrange strain component at the axial points on the outline of the section."""
+    outline = rod.rod.section.outline(16)
+    v = rod.elastic.generalised(solution.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
+    _, weights = local_gradient(rod.element, rod.elastic.v0[0, 0], outline[:, 0], outline[:, 1])
+    strain = np.einsum("nsp,eap->eans", strain_matrix(weights), rod.elastic.gamma(v))
+    return float(np.max(np.abs(strain)))
+
+
+def twist_energy_share(solution: Solution, rod: RodModel) -> float:
+    """Share of the section moment that is twist about the axis, squared and averaged over the rod."""
+    forces = solution.section_forces(rod.rod.name)
+    axes = []
+    for at in forces.at:
+        point = rod.section_point(at)
+        R = section_rotation(point.N @ solution.q[point.dofs].reshape(-1, 3), point.W).R
+        axes.append(R @ np.cross(*point.d0[1:3]))
+    along = np.einsum("ni,ni->n", forces.moment, np.array(axes))
+    total = float(np.sum(forces.moment**2))
+    return float(np.sum(along**2)) / total if total > 0.0 else 0.0
