@@ -92,11 +92,6 @@ class Model:
         energy = [np.full(m.size, m.bending_stiffness / m.rod.length) for m in self.rods]
         return np.concatenate(energy) / self.unit
 
-    @cached_property
-    def residual_floor(self) -> float:
-        """Largest float64 floor of the dimensionless residual among the rods."""
-        return max(model.residual_floor for model in self.rods)
-
     @property
     def unknowns(self) -> int:
         """Number of unknowns that the supports leave."""
@@ -217,6 +212,15 @@ class Model:
         lu = factorise(self.pattern, flat)
         self.counters.linear_solve += time.perf_counter() - started
         return lu
+
+    def row_sum(self, flat: Floats, q: Floats) -> float:
+        """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q can do to the residual."""
+        b, n = self.pattern.b, self.n
+        bands = np.abs(flat * self._band_scale * np.tile(np.abs(q / self.unit), 3 * b + 1)).reshape(-1, n)
+        total = np.zeros(n + 3 * b)
+        for band, shift in zip(bands[b:], range(-b, b + 1), strict=True):
+            total[b + shift : b + shift + n] += band
+        return float(np.max(total[b : b + n]))
 
     def solve_linear(self, lu: BandLU, right: Floats) -> Floats:
         """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""

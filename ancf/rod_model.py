@@ -152,12 +152,6 @@ class RodModel:
         smallest = np.linalg.eigvalsh(self.rod.section.second_moments)[0]
         return float(np.sqrt(smallest / self.rod.section.area))
 
-    @property
-    def residual_floor(self) -> float:
-        """Dimensionless residual that float64 positions leave, 10 eps n_el A L^2 / I (theory: K times eps q)."""
-        eps = float(np.finfo(float).eps)
-        return 10.0 * eps * self.rod.elements * (self.rod.length / self.radius_of_gyration) ** 2
-
 
 def _relative(element: Element, e: Floats) -> Floats:
     """Nodal vectors with positions relative to the first node, as in the elastic kernel."""

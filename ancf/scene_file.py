@@ -97,7 +97,8 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         )
     rods = tuple(read_rod(entry, index) for index, entry in enumerate(entries))
     _check_names(entries, rods)
-    scene = Scene(
+    _check_pieces(entries, rods)
+    return Scene(
         rods=rods,
         moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
         forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
@@ -106,8 +107,6 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
         title=table.text("title", ""),
     )
-    _check_pieces(entries, scene)
-    return scene
 
 
 def _read_text(path: str | PathLike[str]) -> str:
@@ -146,20 +145,16 @@ def _check_names(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
             )
 
 
-def _check_pieces(entries: Sequence[Table], scene: Scene) -> None:
-    """Refuse fewer elements than there are pieces between supports and point loads.
-
-    The mesh puts an element boundary on each of them, because the solution has a kink there.
-    """
-    for entry, rod in zip(entries, scene.rods, strict=True):
-        anchors = [support.at for support in rod.supports]
-        anchors += [load.at for load in (*scene.moments, *scene.forces) if load.rod == rod.name]
-        pieces = len(np.unique(np.round([0.0, *anchors, 1.0], 12))) - 1  # as ancf.mesh.element_breaks has it
+def _check_pieces(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
+    """Refuse fewer elements than there are pieces between supports: each stands on an element boundary."""
+    for entry, rod in zip(entries, rods, strict=True):
+        marks = [0.0, *(support.at for support in rod.supports), 1.0]
+        pieces = len(np.unique(np.round(marks, 12))) - 1  # as ancf.mesh.element_breaks has it
         if pieces > rod.elements:
             entry.refuse(
                 "elements",
-                "There are fewer elements than pieces between supports and loads.",
+                "There are fewer elements than pieces between supports.",
                 f"elements = {rod.elements}, pieces = {pieces}",
-                "an element boundary stands on each support and each point load",
+                "every support stands on an element boundary",
                 f"take elements >= {pieces}",
             )

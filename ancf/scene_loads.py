@@ -130,5 +130,14 @@ def _value(table: Table, rod: Rod, dimension: Dimension) -> NDArray[np.float64]:
     """Read the vector (3,) of a load and return it in SCS: A_o value for ``frame = "body"`` (paper eq. 2)."""
     value = table.vector("value", 3, dimension)
     if table.word("frame", ("structure", "body"), "structure") == "body":
-        value = rod.base.rotation @ value
+        with np.errstate(over="ignore"):
+            value = rod.base.rotation @ value
+        if not np.all(np.isfinite(value)):
+            table.refuse(
+                "value",
+                "The load overflows when it is turned into SCS.",
+                f"|value| > 1.8e308 {dimension.unit}",
+                "all components are near the end of the number range",
+                "give a smaller load",
+            )
     return value

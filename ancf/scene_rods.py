@@ -1,4 +1,4 @@
-"""Reading of `[[rod]]` tables: size, section, material, base, supports and stress-free curvature.
+"""Reading of `[[rod]]` tables: size, material, base, supports and stress-free curvature.
 
 Whatever would make the rod's equations meaningless is refused here, so that the kernels need no checks.
 """
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import reference_axis
 from ancf.scene import Frame, Rod, Support
-from ancf.scene_table import FRACTION, MODULUS, REQUIRED, SIZE, Limit, Table, show
-from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
+from ancf.scene_sections import read_section
+from ancf.scene_table import FRACTION, MODULUS, SIGNED, SIZE, Limit, Table, show
 from ancf.units import CURVATURE, DENSITY, LENGTH, NUMBER, STRESS
 
 Floats = NDArray[np.float64]
@@ -33,24 +33,15 @@ ROD_KEYS = (
     "curvature",
     "shear_factors",
 )
-SECTION_KEYS = {
-    "circle": ("radius",),
-    "annulus": ("radius", "inner_radius"),
-    "rectangle": ("height_y", "width_z"),
-    "ellipse": ("semi_axis_y", "semi_axis_z"),
-    "polygon": ("points",),
-}
 ELEMENTS = ("3333", "3243")
 LATER_ELEMENTS = ("3343", "3363", "cable")
 LATER_LAWS = ("neo-hookean", "mooney-rivlin")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
-MOST_CORNERS = 1000  # the test for crossing edges compares every pair
 SAME_PLACE = 1e-9  # of the length; two supports closer than this hold the same section
 LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
 POISSON = Limit(lambda v: -1.0 < v < 0.5, "inside (-1, 0.5), both ends excluded")
-SIGNED = Limit(lambda v: abs(v) <= 1e20, "between -1e20 and 1e20")
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
 
@@ -58,7 +49,7 @@ def read_rod(table: Table, index: int) -> Rod:
     """Read one `[[rod]]` table; rods without a name are called "rod", "rod2", ... by their place."""
     table.expect_keys(ROD_KEYS, later=("segments",))
     length = table.number("length", LENGTH, limit=SIZE)
-    section = _section(table.table("section"))
+    section = read_section(table.table("section"))
     formulation = table.word("formulation", ("enhanced", "continuum"), "enhanced")
     rod = Rod(
         name=_name(table, "rod" if index == 0 else f"rod{index + 1}"),
@@ -90,98 +81,6 @@ def _name(table: Table, default: str) -> str:
             'give a word, such as name = "arm"',
         )
     return name
-
-
-def _section(table: Table) -> Section:
-    """Read the cross-section; each shape knows its own keys."""
-    shape = table.word("shape", tuple(SECTION_KEYS))
-    table.expect_keys(("shape", *SECTION_KEYS[shape]))
-    if shape == "polygon":
-        return _polygon(table)
-    sizes = {key: table.number(key, LENGTH, limit=SIZE) for key in SECTION_KEYS[shape]}
-    if shape == "annulus" and sizes["inner_radius"] >= sizes["radius"]:
-        table.refuse(
-            "inner_radius",
-            "The annulus has no wall.",
-            f"inner_radius = {sizes['inner_radius']:g} m >= radius = {sizes['radius']:g} m",
-            "the two radii are swapped, or diameters and radii are mixed",
-            "give inner_radius < radius",
-        )
-    shapes = {"circle": Circle, "annulus": Annulus, "rectangle": Rectangle, "ellipse": Ellipse}
-    return shapes[shape](**sizes)
-
-
-def _polygon(table: Table) -> Polygon:
-    """Read a polygon: at least three corners, simple, counter-clockwise, with an area."""
-    corners = table.items("points", REQUIRED, "a list of [y, z] pairs")
-    expected = f"3 to {MOST_CORNERS} corners [y, z]"
-    if not 3 <= len(corners) <= MOST_CORNERS:
-        table.refuse(
-            "points",
-            f"The polygon has {len(corners)} corners.",
-            f"{len(corners)} given; {expected} are needed",
-            "too few corners enclose no area" if len(corners) < 3 else "the outline is finer than a section needs",
-            f"give {expected}",
-        )
-    rows = Table({f"points[{i}]": corner for i, corner in enumerate(corners)}, table.source, table.path)
-    points = np.array([rows.vector(key, 2, LENGTH, limit=SIGNED) for key in rows.data])
-    scaled = points - points[0]
-    size = float(np.max(np.abs(scaled)))
-    following = np.roll(scaled, -1, axis=0)
-    area = 0.5 * float(np.sum(scaled[:, 0] * following[:, 1] - following[:, 0] * scaled[:, 1]))
-    advice = "list the corners once around, counter-clockwise seen with y to the right and z up"
-    if size < 1e-20 or abs(area) < 1e-12 * size**2:
-        table.refuse(
-            "points", "The polygon has no area.", f"area = {area:.3g} m2", "all corners lie on one line", advice
-        )
-    crossing = _crossing_edges(scaled / size)
-    if crossing:
-        first, second = crossing
-        table.refuse(
-            "points",
-            "The polygon crosses or touches itself.",
-            f"the edges after points[{first}] and points[{second}] meet",
-            "corners in a wrong order, or the first corner repeated at the end",
-            advice,
-        )
-    if area < 0.0:
-        table.refuse(
-            "points",
-            "The polygon runs clockwise.",
-            f"signed area = {area:.3g} m2, must be > 0",
-            "the corners are listed the wrong way round",
-            "reverse the list: " + advice,
-        )
-    return Polygon(tuple((float(y), float(z)) for y, z in points))
-
-
-def _crossing_edges(points: Floats) -> tuple[int, int] | None:
-    """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon."""
-    n = len(points)
-    ends = np.roll(points, -1, axis=0)
-    for i in range(n):
-        if np.array_equal(points[i], ends[i]):
-            return i, (i + 1) % n
-        after = (i + 1) % n
-        fold = (ends[i] - points[i], ends[after] - points[after])
-        if _cross(*fold) == 0.0 and fold[0] @ fold[1] < 0.0:  # an edge that runs back over the one before
-            return i, after
-        others = np.arange(i + 2, n - (i == 0))
-        if len(others) == 0:
-            continue
-        a, b, c, d = points[i], ends[i], points[others], ends[others]
-        side_c, side_d = _cross(b - a, c - a), _cross(b - a, d - a)
-        side_a, side_b = _cross(d - c, a - c), _cross(d - c, b - c)
-        boxes = np.all((np.minimum(c, d) <= np.maximum(a, b)) & (np.minimum(a, b) <= np.maximum(c, d)), axis=1)
-        meets = boxes & (side_c * side_d <= 0.0) & (side_a * side_b <= 0.0)
-        if meets.any():
-            return i, int(others[np.argmax(meets)])
-    return None
-
-
-def _cross(u: Floats, v: Floats) -> Floats:
-    """z-component of u x v for plane vectors (..., 2)."""
-    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
 
 
 def _material(table: Table) -> SaintVenantKirchhoff:
@@ -245,7 +144,11 @@ def _direction(table: Table, key: str, default: tuple[float, float, float]) -> F
     largest = np.max(np.abs(vector))
     if largest == 0.0:
         table.refuse(
-            key, f"{key} has no direction.", "[0, 0, 0]", "a zero vector", f"give {key} at least one component"
+            key,
+            f"{key} has no direction.",
+            "[0, 0, 0]",
+            "a zero vector",
+            "give it one component at least",
         )
     vector = vector / largest
     return vector / np.linalg.norm(vector)
@@ -274,7 +177,7 @@ def _supports(table: Table) -> tuple[Support, ...]:
             "supports",
             "The rod has no support.",
             "supports = []",
-            "a free rod has no equilibrium under a load, and joints that could hold it are not in this version",
+            "a free rod has no equilibrium under a load; joints that could hold it are not in this version",
             "remove the key (a clamp at 0), or list at least one clamp",
         )
     return tuple(supports)
@@ -289,18 +192,19 @@ def _check_curvature(table: Table, rod: Rod) -> None:
         table.refuse(
             "curvature",
             "The rod is bent more sharply than its section is thick.",
-            f"curvature x outer radius = {bending:g} x {rod.section.outer_radius:g} = {reach:.3g}, must be < 1",
+            f"curvature {bending:g} 1/m x outer radius {rod.section.outer_radius:g} m = {reach:.3g} >= 1",
             "material on the inside would lie beyond the centre of curvature (det J_0 <= 0)",
             "reduce the curvature [1/m] or the section",
         )
     angle = float(np.linalg.norm(rod.curvature)) * rod.length / rod.elements
     if angle > math.pi / 2:
+        needed = math.ceil(2.0 * angle * rod.elements / math.pi)
         table.refuse(
             "curvature",
             "The elements are too long for this curvature.",
             f"each element turns by {math.degrees(angle):.4g} degrees, must be <= 90",
             "an element cannot follow more than a quarter turn",
-            f"take elements >= {math.ceil(2.0 * angle * rod.elements / math.pi):.6g}, or reduce the curvature [1/m]",
+            f"take elements >= {needed:.6g}, or reduce the curvature [1/m]",
         )
 
 

@@ -31,9 +31,10 @@ class Limit:
 
 
 FINITE = Limit(lambda v: True, "finite")
-# Wide enough for any rod, narrow enough that products such as E I / L^2 neither overflow nor vanish in float64.
+# Wide enough for any rod; narrow enough that E I / L^2 and the like neither overflow nor vanish in float64.
 SIZE = Limit(lambda v: 1e-20 <= v <= 1e20, "> 0, and between 1e-20 and 1e20")
 MODULUS = Limit(lambda v: 1e-30 <= v <= 1e30, "> 0, and between 1e-30 and 1e30")
+SIGNED = Limit(lambda v: abs(v) <= 1e20, "between -1e20 and 1e20")
 FRACTION = Limit(lambda v: 0.0 <= v <= 1.0, "between 0 and 1")
 
 
@@ -162,7 +163,12 @@ class Table:
         return number
 
     def vector(
-        self, key: str, length: int, dimension: Dimension = NUMBER, default: Any = REQUIRED, limit: Limit = FINITE
+        self,
+        key: str,
+        length: int,
+        dimension: Dimension,
+        default: Any = REQUIRED,
+        limit: Limit = FINITE,
     ) -> NDArray[np.float64]:
         """Read a list of `length` numbers (length,) [dimension.unit]; texts with units may be mixed in."""
         value = self.items(key, default, f"a list of {length} numbers [{dimension.unit}]")
@@ -190,17 +196,20 @@ class Table:
         value = self.get(key, default)
         if not isinstance(value, Integral) or isinstance(value, bool):
             self._refuse_type(key, value, f"a whole number >= {lowest}, without a decimal point", str(lowest))
-        if not lowest <= value <= highest:
+        number = int(value)
+        if not lowest <= number <= highest:
             self.refuse(
                 key,
                 f"{key} is out of range.",
                 f"{show(value)}; a whole number from {lowest} to {highest} is needed",
-                f"{key} must be a whole number >= {lowest}" if value < lowest else "an unusually large number",
+                "too small to mean anything" if number < lowest else "a slip of the keyboard is likely",
                 f"give a whole number from {lowest} to {highest}",
             )
-        return int(value)
+        return number
 
-    def word(self, key: str, choices: Sequence[str], default: Any = REQUIRED, later: Sequence[str] = ()) -> str:
+    def word(
+        self, key: str, choices: Sequence[str], default: Any = REQUIRED, later: Sequence[str] = ()
+    ) -> str:
         """Read one of a few words; those in `later` are not in this version."""
         value = self.get(key, default)
         if not isinstance(value, str):
@@ -248,7 +257,7 @@ class Table:
                 key,
                 f"{key} must be a list of tables.",
                 f"{show(dict(value))} is a single table",
-                f"[{key}] makes one table, [[{key}]] a list of them" if not self.path else "brackets are missing",
+                "brackets are missing: double ones make a list of tables",
                 heading,
             )
         if not isinstance(value, list | tuple):

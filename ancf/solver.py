@@ -11,7 +11,7 @@ from ancf.errors import Message
 from ancf.model import Model
 from ancf.newton import Outcome
 from ancf.solution import Solution, Status
-from ancf.stepping import Trace, find_equilibrium, inverted_at
+from ancf.stepping import Trace, find_equilibrium, inverted_at, smallest_stretch
 from ancf.validity import validity_warnings
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
         steps=trace.steps,
         cutbacks=trace.cutbacks,
         residual=trace.residual,
-        residual_floor=model.residual_floor,
+        residual_floor=trace.floor,
         history=trace.history,
         seconds={
             "total": total,
@@ -72,6 +72,9 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     solution.warnings.extend(validity_warnings(solution))
     return solution
 
+
+# Loads beyond this many E I / L^2 pull a rod into a boundary layer shorter than any sensible element.
+EXTREME_LOAD = 1e5
 
 _CAUSES = {
     Outcome.TOO_MANY: ("the load step is too large or a limit point is near", "use smaller loads, or more elements"),
@@ -108,9 +111,16 @@ def _explain(model: Model, trace: Trace) -> Message:
     assert failed is not None
     name, node = _owner(model, failed.worst_dof)
     where += f", rod {name!r}, node {node}"
-    value = f"residual {failed.residual:.2e} > {max(options.tolerance, model.residual_floor):.1e}"
+    value = f"residual {failed.residual:.2e} > {max(options.tolerance, failed.floor):.1e}"
     value += f" after {len(failed.history)} iterations and {trace.cutbacks} cut-backs"
-    if trace.status is Status.INVERTED_ELEMENT:
+    if trace.status is Status.LIMIT_POINT:
+        cause = f"a limit point: the shape changes {trace.rates[-1]:.0f} rod lengths per unit of load factor there"
+        advice = "load the rod less; path following through limit points is not in this version"
+    elif trace.status is Status.MATERIAL_UNSTABLE:
+        value = f"smallest axial stretch {smallest_stretch(model, trace.q):.3f}"
+        cause = "Saint Venant-Kirchhoff carries no more compression below a stretch of 0.577"
+        advice = "reduce the compression; this law has no stable state there"
+    elif trace.status is Status.INVERTED_ELEMENT:
         inverted = inverted_at(model, failed.q)
         if inverted is not None:
             where = f"load step {trace.steps + 1}, rod {inverted[0]!r}, element {inverted[1]}"
@@ -118,15 +128,15 @@ def _explain(model: Model, trace: Trace) -> Message:
         cause, advice = "the element is turned inside out", "reduce the load or use more elements"
     else:
         cause, advice = _CAUSES[failed.outcome]
+    largest = float(np.max(np.abs(model.residual(model.q0).Q_ext / model.force_unit)))
+    if largest > EXTREME_LOAD:
+        cause = f"the load is {largest:.1e} times E I / L^2 (moments: E I / L), far beyond the stiffness of the rod"
+        advice = "check the units of load, modulus and section"
     if not np.isfinite(failed.residual):
         value = f"residual not finite after {len(failed.history)} iterations and {trace.cutbacks} cut-backs"
     if trace.steps + trace.cutbacks >= options.max_steps:
         cause = f"the budget max_steps = {options.max_steps} is used up; {cause}"
         advice = f"raise `max_steps`; {advice}"
-    signs = [sign for _, sign in trace.determinant_signs]
-    if len(signs) > 1 and signs[-1] != signs[-2]:
-        first = trace.determinant_signs[-1][0]
-        cause = f"the tangent's determinant changed sign before load factor {first:.4g}: a limit point is likely"
     return Message(what, where, value, cause, advice)
 
 

@@ -26,6 +26,12 @@ QUICK_ITERATIONS = 6  # a step that took no more may grow
 GROWTH = 2.0
 CUT = 0.25
 SMALLEST_STEP = 1e-6  # of the full load
+FIRST_TURN = 1.0  # the linear solution of the first load step may turn or move sections by this (rad, lengths)
+# dq / d load factor grows like 1 / sqrt(distance) towards a limit point; with steps down to 1e-6 by far more than this.
+LIMIT_POINT_RATE = 20.0
+# Uniaxial Saint Venant-Kirchhoff, P = E (s^3 - s) / 2, carries no more compression below s = 1/sqrt(3) = 0.577;
+# a rod within 3 % of it when the search ends has met that limit.
+UNSTABLE_STRETCH = 0.595
 
 
 @dataclass
@@ -36,12 +42,13 @@ class Trace:
     q: Floats
     load_factor: float = 0.0
     residual: float = 0.0
+    floor: float = 0.0
     steps: int = 0
     cutbacks: int = 0
     history: list[Iteration] = field(default_factory=list)
     failure: NewtonResult | None = None  # the Newton iteration that ended the search
     tried: float = 0.0  # load factor of that iteration
-    determinant_signs: list[tuple[float, int]] = field(default_factory=list)
+    rates: list[float] = field(default_factory=list)  # |dq / d load factor| at the equilibria of the walk
 
     @property
     def iterations(self) -> int:
@@ -49,6 +56,7 @@ class Trace:
         return len(self.history)
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # non-finite numbers are caught and reported
 def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     """Equilibrium at the full load, or the last one on the way to it.
 
@@ -80,9 +88,8 @@ def _accept(model: Model, trace: Trace, result: NewtonResult, load_factor: float
     """Take over a converged step whose configuration is not turned inside out."""
     if result.converged and inverted_at(model, result.q) is None:
         trace.q, trace.load_factor, trace.residual = result.q, load_factor, result.residual
+        trace.floor = result.floor
         trace.steps += 1
-        if result.lu is not None:
-            trace.determinant_signs.append((load_factor, result.lu.determinant_sign))
         return True
     trace.failure, trace.tried = result, load_factor
     return False
@@ -106,13 +113,14 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         trace.history += result.history
         if _accept(model, trace, result, target):
             path.add(target, result.q)
+            trace.rates.append(_rate(model, result))
             if len(result.history) <= QUICK_ITERATIONS:
                 step *= GROWTH
             continue
         trace.cutbacks += 1
         step = (target - trace.load_factor) * CUT
         if step < SMALLEST_STEP:
-            trace.status = _reason(model, result)
+            trace.status = _reason(model, trace, result)
             return trace
     trace.status = Status.CONVERGED
     return trace
@@ -127,9 +135,6 @@ def _first_step(model: Model) -> float:
         return 1.0
     largest = float(np.max(np.abs(dq / model.unit), initial=0.0))
     return float(np.clip(FIRST_TURN / largest, SMALLEST_STEP, 1.0)) if largest > 0.0 else 1.0
-
-
-FIRST_TURN = 1.0
 
 
 def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
@@ -156,10 +161,31 @@ def inverted_at(model: Model, q: Floats) -> tuple[str, int, float] | None:
     return None
 
 
-def _reason(model: Model, result: NewtonResult) -> Status:
+def _rate(model: Model, result: NewtonResult) -> float:
+    """Largest dimensionless |dq / d load factor| by the last factorisation."""
+    if result.lu is None:
+        return 0.0
+    dq = model.solve_linear(result.lu, model.residual(result.q).Q_ext)
+    return float(np.max(np.abs(dq / model.unit), initial=0.0))
+
+
+def _reason(model: Model, trace: Trace, result: NewtonResult) -> Status:
     """Status of a search that ended at the smallest step."""
     if result.outcome is Outcome.NOT_FINITE:
         return Status.NOT_FINITE
-    if result.converged or inverted_at(model, result.q) is not None:
+    if result.converged:  # the only reason to refuse a converged step
         return Status.INVERTED_ELEMENT
+    if smallest_stretch(model, trace.q) < UNSTABLE_STRETCH:
+        return Status.MATERIAL_UNSTABLE
+    if len(trace.rates) > 2 and trace.rates[-1] > LIMIT_POINT_RATE * float(np.median(trace.rates)):
+        return Status.LIMIT_POINT
     return Status.NOT_CONVERGED
+
+
+def smallest_stretch(model: Model, q: Floats) -> float:
+    """Smallest axial stretch |r_x| at the axial points."""
+    stretch = [
+        np.linalg.norm(rod.elastic.generalised(q[rod.dofs].reshape(len(rod.dofs), -1, 3))[:, :, 0], axis=-1)
+        for rod in model.rods
+    ]
+    return float(min(s.min() for s in stretch))

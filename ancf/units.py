@@ -69,7 +69,11 @@ def to_si(text: str, dimension: Dimension, where: str) -> float:
     number, unit = float(match[1]), match[2]
     if unit is None:
         _refuse(
-            text, dimension, where, "the text holds no unit", "a text needs a unit; a plain number has no quotes"
+            text,
+            dimension,
+            where,
+            "the text holds no unit",
+            "a number in quotes",
         )
     if not _UNIT_EXPRESSION.fullmatch(unit):
         _refuse(text, dimension, where, f"{unit!r} is not a unit", "the unit cannot be read")

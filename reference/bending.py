@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import cast
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
+
+from reference.root import bracketed_root
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class BendingSection:
 
 @dataclass(frozen=True)
 class BendingState:
-    """Uniformly bent rod: curvature [1/m], axis stretch [-], section stretch in the plane [-], moment [N m]."""
+    """Uniformly bent rod: curvature [1/m], stretch of axis and of section in the plane [-], moment [N m]."""
 
     curvature: float
     axial_stretch: float
@@ -48,7 +49,7 @@ class BendingState:
     moment: float
 
     def tip(self, length: float) -> tuple[float, float, float]:
-        """Return (along [m], across [m], angle [rad]) of the tip: an arc of length lambda L and angle kappa L."""
+        """Return (along [m], across [m], angle [rad]) of the tip: arc of length lambda L, angle kappa L."""
         angle = self.curvature * length
         arc = self.axial_stretch * length
         return (
@@ -64,8 +65,8 @@ def _moment_of_fibres(c: float, young_modulus: float, section: BendingSection) -
     P = E f (f^2 - 1)/2 with f = lambda - c y; int P dA = 0 gives lambda^2 = 1 - 3 c^2 I/A, and
     M0 = -int y P dA = (E I c/2)(3 lambda^2 - 1 + c^2 I4/I). [N m]
     """
-    A, I, I4 = section.area, section.second_moment, section.fourth_moment
-    return young_modulus * I * c * (1 - 4.5 * c * c * I / A + c * c * I4 / (2 * I))
+    A, I2, I4 = section.area, section.second_moment, section.fourth_moment
+    return young_modulus * I2 * c * (1 - 4.5 * c * c * I2 / A + c * c * I4 / (2 * I2))
 
 
 def _axial_stretch(c: float, section: BendingSection) -> float:
@@ -87,11 +88,12 @@ def _state(c: float, young_modulus: float, section: BendingSection, model: str) 
     if model not in ("rigid", "stretching"):
         raise ValueError(f'section_model must be "rigid" or "stretching", got {model!r}')
     a = 1.0 if model == "rigid" else _section_stretch(c, young_modulus, section)
-    return BendingState(c / a, _axial_stretch(c, section), a, a * _moment_of_fibres(c, young_modulus, section))
+    moment = a * _moment_of_fibres(c, young_modulus, section)
+    return BendingState(c / a, _axial_stretch(c, section), a, moment)
 
 
 def _largest_c(young_modulus: float, section: BendingSection, model: str) -> float:
-    """Return c = kappa a at which the moment is largest; beyond it bending is unstable under a dead moment."""
+    """Return c = kappa a at which the moment is largest; beyond it a dead moment has no stable answer."""
     # dM0/dc = 0; M = a M0 turns earlier because a falls.
     slope = 4.5 * section.second_moment / section.area - section.fourth_moment / (2 * section.second_moment)
     c = min(1 / sqrt(3 * slope), sqrt(section.area / (3 * section.second_moment)) * (1 - 1e-9))
@@ -100,9 +102,11 @@ def _largest_c(young_modulus: float, section: BendingSection, model: str) -> flo
     while 2 * c * _moment_of_fibres(c, young_modulus, section) > 0.25 * young_modulus * section.area:
         c *= 0.9
     best = minimize_scalar(
-        lambda x: -_state(x, young_modulus, section, model).moment, bounds=(0.0, c), options={"xatol": 1e-10 * c}
+        lambda x: -_state(x, young_modulus, section, model).moment,
+        bounds=(0.0, c),
+        options={"xatol": 1e-10 * c},
     )
-    return float(cast(float, best.x))  # pyright: ignore[reportAttributeAccessIssue]
+    return float(best.x)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def pure_bending_moment(
@@ -132,8 +136,8 @@ def pure_bending_moment(
 
     Notes
     -----
-    Derived here from E = (F^T F - I)/2 with F = (lambda - kappa a y) t x e_x + a n x e_y + e_z x e_z; the project
-    theory.md 2. Exact for these kinematics; a solid also warps its section (order (kappa R)^2).
+    Derived here from E = (F^T F - I)/2, F = (lambda - kappa a y) t x e_x + a n x e_y + e_z x e_z (tensor
+    products). Exact for these kinematics; a solid also warps its section, an effect of order (kappa R)^2.
     """
     if section_model == "rigid":
         c = curvature
@@ -145,7 +149,7 @@ def pure_bending_moment(
         top = _largest_c(young_modulus, section, section_model)
         if gap(top) < 0:
             raise ValueError(f"curvature {curvature:.6g} 1/m lies beyond the largest moment of this section")
-        c = float(np.copysign(cast(float, brentq(gap, 0.0, top, xtol=1e-300, rtol=1e-14)), curvature))
+        c = float(np.copysign(bracketed_root(gap, 0.0, top), curvature))
     return _state(c, young_modulus, section, section_model)
 
 
@@ -176,10 +180,10 @@ def pure_bending_curvature(
     top = _largest_c(young_modulus, section, section_model)
     largest = _state(top, young_modulus, section, section_model).moment
     if abs(moment) > largest:
-        raise ValueError(f"moment {moment:.6g} N m exceeds the largest this section carries, {largest:.6g} N m")
+        raise ValueError(f"moment {moment:.6g} N m exceeds the largest of this section, {largest:.6g} N m")
 
     def gap(c: float) -> float:
         return _state(c, young_modulus, section, section_model).moment - abs(moment)
 
-    c = 0.0 if moment == 0 else cast(float, brentq(gap, 0.0, top, xtol=1e-300, rtol=1e-14))
+    c = 0.0 if moment == 0 else bracketed_root(gap, 0.0, top)
     return _state(float(np.copysign(c, moment)), young_modulus, section, section_model)

@@ -56,5 +56,5 @@ def printed_eq47(theta: float, phi: float) -> Array:
 
 
 def constant_curvature_moment(theta: float, phi: float, length: float, EI: float) -> Array:
-    """Tip moment (EI theta/L)(sin phi, -cos phi, 0) [N m] of this pose, in the structure frame (arm along Z)."""
+    """Tip moment (EI theta/L)(sin phi, -cos phi, 0) [N m] of this pose; the arm lies along Z."""
     return EI * theta / length * np.array([np.sin(phi), -np.cos(phi), 0.0])

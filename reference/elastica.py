@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import asin, cos, exp, log, pi, sin, sqrt
-from typing import cast
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
+from reference.root import bracketed_root
 
 # Below this load the elliptic integrals lose digits of u ~ load^2/15 by cancellation.
 LIGHT_LOAD = 0.3
@@ -25,7 +24,7 @@ LIGHT_LOAD = 0.3
 
 @dataclass(frozen=True)
 class ElasticaTip:
-    """Tip of the elastica: `u` shortening along the rod and `w` deflection, both over L [-], `angle` [rad]."""
+    """Tip of the elastica: `u` shortening along the rod and `w` deflection, both over L; `angle` [rad]."""
 
     u: float
     w: float
@@ -35,9 +34,10 @@ class ElasticaTip:
 def _alpha(beta: float) -> tuple[float, float]:
     """Return alpha and E(m) - E(phi_1, m) for a tip angle pi/2 - beta.
 
-    alpha = K(m) - F(phi_1, m), sin^2 phi_1 = 1/(2m), written as F(psi, m) with tan psi tan phi_1 = 1/sqrt(1 - m)
-    (addition theorem); likewise E(m) - E(phi_1, m) = E(psi, m) - m sin(phi_1) sin(psi). Carlson's forms
-    F = x R_F, E = x R_F - (m/3) x^3 R_D, x = sin psi, take 1 - m itself and so stay exact as m -> 1.
+    alpha = K(m) - F(phi_1, m), sin^2 phi_1 = 1/(2m), written as F(psi, m) with tan psi tan phi_1 =
+    1/sqrt(1 - m) (addition theorem); likewise E(m) - E(phi_1, m) = E(psi, m) - m sin(phi_1) sin(psi).
+    Carlson's forms F = x R_F, E = x R_F - (m/3) x^3 R_D, x = sin psi, take 1 - m itself and so stay exact as
+    m -> 1.
     """
     m1 = sin(beta / 2) ** 2  # 1 - m
     m = 1 - m1
@@ -65,7 +65,7 @@ def _light(P: float) -> tuple[float, float, float]:
     def gap(eps: float) -> float:
         return 2 * eps * float(weight @ (1 / angles(eps)[1])) ** 2 - P
 
-    eps = cast(float, brentq(gap, 0.0, P, xtol=1e-300, rtol=1e-14))  # theta_tip < P L^2/(2 EI)
+    eps = bracketed_root(gap, 0.0, P)  # theta_tip < P L^2/(2 EI)
     sine, cosine = angles(eps)
     length = sqrt(2 * eps) / sqrt(P)
     u = length * float(weight @ (sine**2 / (1 + cosine) / cosine))
@@ -76,7 +76,8 @@ def elastica_tip_force(load: float) -> ElasticaTip:
     """Tip displacement and angle of a cantilever elastica under a dead transverse tip force.
 
     EI theta'' = -P cos theta integrates once to EI theta'^2/2 = P (sin theta_tip - sin theta), hence
-    alpha = K(m) - F(phi_1, m),  w/L = 1 - (2/alpha)[E(m) - E(phi_1, m)],  u/L = 1 - sqrt(2 sin theta_tip)/alpha.
+    alpha = K(m) - F(phi_1, m),  w/L = 1 - (2/alpha)[E(m) - E(phi_1, m)],
+    u/L = 1 - sqrt(2 sin theta_tip)/alpha.
 
     Parameters
     ----------
@@ -103,7 +104,7 @@ def elastica_tip_force(load: float) -> ElasticaTip:
         low, high = -320.0, log(pi / 2 - 1e-3)
         if gap(low) < 0:
             raise ValueError(f"load P L^2/EI = {P:.4g} is beyond the range of double precision")
-        beta = exp(cast(float, brentq(gap, low, high, xtol=1e-15, rtol=1e-14)))
+        beta = exp(bracketed_root(gap, low, high))
         alpha, difference = _alpha(beta)
         w = 1 - 2 / alpha * difference
         u = 1 - sqrt(2 * cos(beta)) / alpha

@@ -79,7 +79,7 @@ def helix_tip_moment(
 
     Notes
     -----
-    Love, Mathematical Theory of Elasticity, art. 270 (helix under terminal couple); form of the project theory.md 1.
+    Love, Mathematical Theory of Elasticity, art. 270 (helix under a terminal couple); this form derived here.
     Finite at zero moment (series in the angle). Extension and shear are absent because the force is zero.
     """
     M = space_moment(moment, length, EI, GJ, axis, direction)

@@ -11,14 +11,14 @@ nu       EI/GJ - 1 (Poisson's ratio, for a round section)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq, least_squares, minimize_scalar
+from scipy.optimize import least_squares, minimize_scalar
 
 from reference import rotation as rot
 from reference.helix import unit_axis
+from reference.root import bracketed_root
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class _Branches:
     nu: float
 
     def v(self, tau: Array, turn: int) -> Array:
-        """Return (n, 3): angle 2 atan2(|u|, w) in [0, 2 pi) plus whole turns, along u of the quaternion (w, u)."""
+        """Return (n, 3): angle 2 atan2(|u|, w) in [0, 2 pi) plus whole turns, along u; quaternion (w, u)."""
         # A quaternion continuous in tau (never re-signed) keeps each branch continuous.
         w2, u2 = np.cos(self.nu * tau / 2), -np.sin(self.nu * tau / 2)[:, None] * self.e
         w = self.q[0] * w2 - u2 @ self.q[1:]
@@ -62,32 +62,34 @@ class _Branches:
         return float(self.v(np.array([tau]), turn)[0] @ self.e) - tau
 
     def roots(self, grid: Array, turn: int) -> list[Array]:
-        """Return every v of one branch with v.e = tau, from sign changes and from touching points between them."""
+        """Return every v of one branch with v.e = tau, from sign changes and from touching points."""
         g = self.v(grid, turn) @ self.e - grid
         brackets = [(grid[i], grid[i + 1]) for i in np.flatnonzero(g[:-1] * g[1:] <= 0)]
-        size = np.abs(g)
-        touching = (size[1:-1] < size[:-2]) & (size[1:-1] < size[2:]) & (g[1:-1] * g[:-2] > 0) & (g[1:-1] * g[2:] > 0)
+        size, same_sign = np.abs(g), g[:-1] * g[1:] > 0
+        touching = (size[1:-1] < size[:-2]) & (size[1:-1] < size[2:]) & same_sign[:-1] & same_sign[1:]
         for i in np.flatnonzero(touching) + 1:
             # Two roots closer than the grid: find the extreme point between them.
             side = np.sign(g[i])
             extreme = minimize_scalar(
-                lambda t, side=side: side * self.gap(t, turn), bounds=(grid[i - 1], grid[i + 1]), options={"xatol": 1e-12}
+                lambda t, side=side: side * self.gap(t, turn),
+                bounds=(grid[i - 1], grid[i + 1]),
+                options={"xatol": 1e-12},
             )
-            middle = float(cast(float, extreme.x))  # pyright: ignore[reportAttributeAccessIssue]
+            middle = float(extreme.x)  # pyright: ignore[reportAttributeAccessIssue]
             if side * self.gap(middle, turn) <= 0:
                 brackets += [(grid[i - 1], middle), (middle, grid[i + 1])]
             elif side * self.gap(middle, turn) < 1e-9:
                 brackets.append((middle, middle))
         found = []
         for low, high in brackets:
-            tau = low if low == high else cast(float, brentq(lambda t: self.gap(t, turn), low, high, xtol=1e-15))
+            tau = low if low == high else bracketed_root(lambda t: self.gap(t, turn), low, high, 1e-15)
             if abs(self.gap(tau, turn)) < 1e-7:  # otherwise a jump of the branch
                 found.append(self.v(np.array([tau]), turn)[0])
         return found
 
 
 def _full_turns(q: Array, e: Array, nu: float, r: Array, turns: int) -> list[Array]:
-    """Return v of whole turns, |v| = 2 pi k, possible when R is a rotation about e: its logarithm has no axis.
+    """Return v of whole turns, |v| = 2 pi k, possible when R is a rotation about e: no axis of its own.
 
     R = Exp(nu tau e) gives tau up to 2 pi n/nu, then v = 2 pi k m with m.e = tau/(2 pi k), and m's other part
     along that of r = m (m.e).
@@ -143,7 +145,7 @@ def helix_inverse(
 
     Notes
     -----
-    The project theory.md 1. Some 10 ms. A pose that no tip moment reaches gives the v with the exact rotation
+    Derived here. Some 20 ms. A pose that no tip moment reaches gives the v with the exact rotation
     and a large `position_mismatch`.
     """
     e, r, R = unit_axis(axis), np.asarray(position, dtype=float) / length, np.asarray(rotation, dtype=float)

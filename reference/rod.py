@@ -18,14 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference import rotation as rot
-from reference.rod_collocation import Collocation, RodEquations, State
+from reference.rod_collocation import STEP_TOLERANCE, Collocation, RodEquations, State
 
 Array = NDArray[np.float64]
 
 FIRST_ELEMENTS = 12  # coarse mesh of the load continuation; order 8, some 1e-6 for a smooth load
 MOST_ELEMENTS = 400
-LARGEST_TURN = 0.7  # rad, most that a section may turn in one load step: keeps to the branch that starts at zero
+LARGEST_TURN = 0.7  # rad a load step: keeps to the branch that starts at zero load
 SMALLEST_STEP = 1e-4
+ON_THE_WAY = 1e-4  # Newton tolerance before load factor 1: only a start for the next step
 
 
 def _zeros() -> Array:
@@ -89,13 +90,38 @@ class RodProperties:
             base_rotation=base_rotation,
         )
 
+    @classmethod
+    def circle(
+        cls,
+        length: float,
+        radius: float,
+        young_modulus: float,
+        poisson_ratio: float,
+        curvature: ArrayLike = (0.0, 0.0, 0.0),
+        base_position: ArrayLike = (0.0, 0.0, 0.0),
+        base_rotation: ArrayLike = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    ) -> RodProperties:
+        """Round rod, shear factors 1: A = pi R^2, I = pi R^4/4, J_t = 2 I."""
+        area, moment = np.pi * radius**2, np.pi * radius**4 / 4
+        return cls.from_section(
+            length,
+            young_modulus,
+            poisson_ratio,
+            area,
+            moment,
+            moment,
+            curvature=curvature,
+            base_position=base_position,
+            base_rotation=base_rotation,
+        )
+
     def reference(self, s: ArrayLike) -> tuple[Array, Array]:
-        """Unstressed rod at s: positions (n, 3) [m] and frames (n, 3, 3), a helix arc of constant curvature."""
+        """Unstressed rod at s: positions (n, 3) [m] and frames (n, 3, 3), a helix or arc."""
         s = np.atleast_1d(np.asarray(s, dtype=float))
         v = s[:, None] * np.asarray(self.curvature, dtype=float)
         R0 = np.asarray(self.base_rotation, dtype=float)
-        position = np.asarray(self.base_position, dtype=float) + (s[:, None] * rot.exp_integral(v)[..., 0]) @ R0.T
-        return position, R0 @ rot.exp(v)
+        local = s[:, None] * rot.exp_integral(v)[..., 0]
+        return np.asarray(self.base_position, dtype=float) + local @ R0.T, R0 @ rot.exp(v)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,10 +143,10 @@ class RodLoads:
 class RodSolution:
     """Equilibrium of a rod at the stations s (n,) [m].
 
-    position (n, 3) [m]; frame (n, 3, 3), columns d1 d2 d3; rotation (n, 3, 3) relative to the reference section;
-    force (n, 3) [N] and moment (n, 3) [N m], internal, in space, acting on the part towards the clamp;
-    reference_position (n, 3) [m]; estimated_error [-]: position error over the length and rotation error in rad,
-    the larger, from a mesh of half the elements; elements, load_steps, iterations: the work done.
+    position (n, 3) [m]; frame (n, 3, 3), columns d1 d2 d3; rotation (n, 3, 3) relative to the reference
+    section; force (n, 3) [N] and moment (n, 3) [N m], internal, in space, on the part towards the clamp;
+    reference_position (n, 3) [m]; estimated_error [-]: position error over the length and rotation error in
+    rad, the larger, against a mesh of half the elements; elements, load_steps, iterations: the work done.
     """
 
     s: Array
@@ -142,7 +168,7 @@ class RodSolution:
 
 
 def _equations(rod: RodProperties, loads: RodLoads) -> Callable[[float], RodEquations]:
-    """Return the dimensionless equations at a load factor: lengths by L, forces by EI/L^2, moments by EI/L."""
+    """Return the dimensionless equations at a load factor: units L, EI/L^2, EI/L of length, force, moment."""
     L = rod.length
     EI = max(rod.EI_y, rod.EI_z)
     _, tip_frame = rod.reference(L)
@@ -191,15 +217,15 @@ def solve_rod(
 
     Raises
     ------
-    RodNotSolved when Newton fails at the smallest load step (limit point of a follower load), or the finest mesh
-    misses `tolerance`.
+    RodNotSolved when Newton fails at the smallest load step (limit point), or the finest mesh misses
+    `tolerance`.
 
     Notes
     -----
     Gauss collocation of order 8, Newton with the exact Jacobian, load continuation on a coarse mesh in which
-    no section turns more than 0.7 rad a step; then the elements are doubled until two meshes agree. Typically 0.02 to
-    0.3 s. A perfectly straight rod under axial load stays straight: bifurcations are not followed.
-    Simo 1985; Antman, Nonlinear Problems of Elasticity, chapter 8; collocation: Ascher, Mattheij, Russell 1988.
+    no section turns more than 0.7 rad a step; then the elements are doubled until two meshes agree. Typically
+    0.05 to 0.3 s. A perfectly straight rod under axial load stays straight: bifurcations are not followed.
+    Simo 1985; Antman, Nonlinear Problems of Elasticity, ch. 8; collocation: Ascher, Mattheij, Russell 1988.
     """
     base = np.asarray(rod.base_rotation, dtype=float)
     if base.shape != (3, 3) or np.abs(base.T @ base - np.eye(3)).max() > 1e-9 or np.linalg.det(base) < 0:
@@ -260,12 +286,12 @@ def _continue(
     reason = ""
     while factor < 1.0:
         if step < SMALLEST_STEP:
-            raise RodNotSolved(f"no equilibrium found beyond load factor {factor:.6g} (step {steps}): {reason}")
+            raise RodNotSolved(f"no equilibrium beyond load factor {factor:.6g} (step {steps}): {reason}")
         target = min(1.0, factor + step)
         guess = state
         if previous is not None:
             guess = mesh.extrapolate(previous[1], state, (target - factor) / (factor - previous[0]))
-        result = mesh.newton(guess, at(target))
+        result = mesh.newton(guess, at(target), ON_THE_WAY if target < 1.0 else STEP_TOLERANCE)
         iterations += result.iterations
         reason = result.reason
         if result.state is not None:

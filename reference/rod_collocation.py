@@ -1,8 +1,9 @@
 """Gauss collocation of the rod equations: residual, exact Jacobian, Newton, evaluation.
 
-Everything is dimensionless (length 1, bending stiffness 1). The unknowns of a node are y = (q, m), quaternion and moment in
-space; the force n(s) = n_tip + line_load (1 - s) is known up to n_tip, three more unknowns. Gauss methods keep |q| = 1 to
-rounding because it is a quadratic invariant (Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.2).
+Everything is dimensionless (length 1, bending stiffness 1). The unknowns of a node are y = (q, m), quaternion
+and moment in space; the force n(s) = n_tip + line_load (1 - s) is known up to n_tip, three more unknowns.
+Gauss methods keep |q| = 1 to rounding because it is a quadratic invariant (Hairer, Lubich, Wanner, Geometric
+Numerical Integration, IV.2).
 
 Symbols
 -------
@@ -25,18 +26,18 @@ Array = NDArray[np.float64]
 
 STAGES = 4
 MOST_ITERATIONS = 12
-STEP_TOLERANCE = 1e-9  # Newton converges quadratically: after a step this small the error is near rounding
-DIVERGED = 1e3
+STEP_TOLERANCE = 1e-7  # Newton converges quadratically: after a step this small the error is near rounding
+DIVERGED = 3.0  # a quaternion step beyond this is no correction; give up early and take a smaller load step
 
 
 def _gauss_coefficients(K: int) -> tuple[Array, Array, Array]:
     """Butcher coefficients A, b, c of the K-stage Gauss method, by integrating Lagrange polynomials."""
     c, b = np.polynomial.legendre.leggauss(K)
-    c, b = (c + 1) / 2, b / 2
+    c, b = np.array((c + 1) / 2, dtype=np.float64), np.array(b / 2, dtype=np.float64)
     powers = np.arange(K)
     # sum_j A_ij c_j^p = c_i^(p+1)/(p+1) for p < K
     A = np.linalg.solve((c[:, None] ** powers).T, (c[:, None] ** (powers + 1) / (powers + 1)).T).T
-    return A, b, c
+    return np.array(A, dtype=np.float64), b, c
 
 
 A, b, c = _gauss_coefficients(STAGES)
@@ -44,7 +45,7 @@ A, b, c = _gauss_coefficients(STAGES)
 
 @dataclass(frozen=True, eq=False)
 class RodEquations:
-    """Dimensionless data: compliances (3,), reference curvature (3,), loads (3,) in space or tip section axes."""
+    """Dimensionless data, all (3,): compliances, reference curvature, loads in space or tip section axes."""
 
     compliance_n: Array
     compliance_m: Array
@@ -73,7 +74,7 @@ class RodEquations:
         dr_dn = R @ (self.compliance_n[:, None] * Rt)
 
         Q = _left(q)
-        f = np.concatenate([0.5 * (Q @ kappa[..., None])[..., 0], -np.cross(dr, n)], axis=-1)
+        f = np.concatenate([0.5 * (Q @ kappa[..., None])[..., 0], -rot.cross(dr, n)], axis=-1)
         df_dy = np.zeros((*y.shape[:-1], 7, 7))
         df_dy[..., :4, :4] = 0.5 * (_right(kappa) + Q @ dkappa_dq)
         df_dy[..., :4, 4:] = 0.5 * Q @ dkappa_dm
@@ -91,7 +92,7 @@ def rotated_by_q(q: Array, v: Array, transpose: bool = False) -> Array:
     """
     w, u = q[..., :1], q[..., 1:]
     sign = -1.0 if transpose else 1.0
-    by_w = 2 * w * v + 2 * sign * np.cross(u, v)
+    by_w = 2 * w * v + 2 * sign * rot.cross(u, v)
     uv = np.sum(u * v, axis=-1)[..., None, None]
     by_u = 2 * (
         -v[..., :, None] * u[..., None, :]
@@ -194,14 +195,16 @@ class Collocation:
     def _force(self, n_tip: Array, equations: RodEquations, x: Array) -> Array:
         return n_tip + (1 - x)[..., None] * equations.line_load
 
-    def newton(self, state: State, equations: RodEquations) -> NewtonResult:
-        """Newton from `state`, full steps."""
+    def newton(
+        self, state: State, equations: RodEquations, tolerance: float = STEP_TOLERANCE
+    ) -> NewtonResult:
+        """Newton from `state`, full steps, until a step is below `tolerance`."""
         for iteration in range(1, MOST_ITERATIONS + 1):
             new, size = self._newton_step(state, equations)
             if not np.isfinite(size) or size > DIVERGED:
                 return NewtonResult(None, iteration, f"Newton diverged (step {size:.1e})")
             state = new
-            if size < STEP_TOLERANCE:
+            if size < tolerance:
                 return NewtonResult(state, iteration)
         return NewtonResult(None, MOST_ITERATIONS, f"Newton did not converge in {MOST_ITERATIONS} iterations")
 
@@ -260,7 +263,7 @@ class Collocation:
         return State(_normalised(y + dy), _normalised(Y + stage), n_tip + dn), float(largest)
 
     def evaluate(self, state: State, equations: RodEquations, x: Array) -> Values:
-        """Values at x (n,) in [0, 1]: one Gauss step from the node on the left, so of full order everywhere."""
+        """Values at x (n,) in [0, 1]: one Gauss step from the node on the left, so of full order."""
         *_, dr = equations.slope(state.Y, self._force(state.n_tip, equations, self.stations))
         increments = self.h * np.einsum("k,nka->na", b, dr)
         node_position = np.concatenate([np.zeros((1, 3)), np.cumsum(increments, axis=0)])
@@ -268,7 +271,8 @@ class Collocation:
         h = x - self.nodes[i]
         left = state.y[i]
         Y = self._stages(left, h, x - h, state.n_tip, equations)
-        f, _, _, dr = equations.slope(Y, self._force(state.n_tip, equations, (x - h)[:, None] + h[:, None] * c))
+        n = self._force(state.n_tip, equations, (x - h)[:, None] + h[:, None] * c)
+        f, _, _, dr = equations.slope(Y, n)
         y = _normalised(left + h[:, None] * np.einsum("k,nka->na", b, f))
         position = node_position[i] + h[:, None] * np.einsum("k,nka->na", b, dr)
         return Values(position, rot.matrix(y[:, :4]), self._force(state.n_tip, equations, x), y[:, 4:])
@@ -296,7 +300,8 @@ class Collocation:
             i = np.minimum((x * coarse.elements).astype(int), coarse.elements - 1)
             h = x - coarse.nodes[i]
             Y = coarse._stages(state.y[i], h, x - h, state.n_tip, equations)
-            f = equations.slope(Y, coarse._force(state.n_tip, equations, (x - h)[:, None] + h[:, None] * c))[0]
+            n = coarse._force(state.n_tip, equations, (x - h)[:, None] + h[:, None] * c)
+            f = equations.slope(Y, n)[0]
             return _normalised(state.y[i] + h[:, None] * np.einsum("k,nka->na", b, f))
 
         return State(at(self.nodes), at(self.stations.ravel()).reshape(*self.stations.shape, 7), state.n_tip)

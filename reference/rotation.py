@@ -27,6 +27,13 @@ def hat(v: ArrayLike) -> Array:
     return out - np.swapaxes(out, -1, -2)
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of the last axes, broadcast; several times faster than np.cross on small arrays."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 def exp(v: ArrayLike) -> Array:
     """Rotation matrix of a rotation vector (Rodrigues).
 

@@ -2,7 +2,7 @@
 
 Independent of the beam code. The ends decide what is compared: a start face free to contract (`soft_clamp`)
 and a couple without a rigid plate (`solid_couple`) leave the O((kappa R)^2) difference between solid and
-beam; a fixed face or a plate hides it, each by a stiffening of O(R/L), 2.1e-3 at R/L = 1/40 (reference study).
+beam; a fixed face or a plate hides it, each by an O(R/L) stiffening (2.1e-3 at R/L = 1/40, reference study).
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def solid_pure_bending(
     Raises
     ------
     ValueError
-        For sizes that are not positive or a law outside its range.
+        For sizes that are not positive, a moment that is not finite, a law outside its range.
 
     Notes
     -----
@@ -70,6 +70,8 @@ def solid_pure_bending(
     for name, count in [("core", core), ("rings", rings), ("slices", slices)]:
         if count < 1:
             raise ValueError(f"{name} is {count}; at least 1 is needed.")
+    if not np.isfinite(moment):
+        raise ValueError(f"moment is {moment} N m; it must be finite.")
     begin = perf_counter()
     material = SaintVenantKirchhoff(young_modulus, poisson_ratio)
     mesh = rod_mesh(circular_section(radius, core, rings), length, slices)

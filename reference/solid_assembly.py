@@ -65,8 +65,8 @@ class SolidAssembly:
         n_el = len(P_pk1)
         nodal = self._B_left @ P_pk1.swapaxes(-1, -2).reshape(n_el, -1, 3)
         slot = 3 * self.mesh.elements[..., None] + np.arange(3)
-        total: Array = np.bincount(slot.ravel(), nodal.ravel(), minlength=3 * len(self.mesh.nodes))
-        return total.reshape(-1, 3)
+        total = np.bincount(slot.ravel(), nodal.ravel(), minlength=3 * len(self.mesh.nodes))
+        return np.asarray(total, float).reshape(-1, 3)
 
     def tangent(self, A_pk1: Array, K_load: Array | None = None) -> csr_array:
         """Tangent, K_aibk = int dN_a/dX_J A_iJkL dN_b/dX_L dV - K_load, supports applied.
@@ -76,7 +76,7 @@ class SolidAssembly:
         n_el, n_qp = self.volume.shape
         T = np.moveaxis(A_pk1, 3, 2).reshape(n_el, n_qp, 27, 3) @ self.B  # rows J i k, columns b
         K_el = self._B_left @ T.reshape(n_el, 3 * n_qp, 243)
-        data: Array = np.bincount(self._slots, K_el.ravel(), minlength=len(self._held))
+        data = np.asarray(np.bincount(self._slots, K_el.ravel(), minlength=len(self._held)), float)
         if K_load is not None:
             data[self._end_slots] -= K_load.ravel()
         data[self._held] = 0.0
@@ -88,7 +88,7 @@ class SolidAssembly:
     def solve(self, K: csr_array, right: Array) -> Array:
         """Solve K du = right (n, 3); the block of a slice is its first plane and its middle plane."""
         size = 6 * len(self.mesh.section.nodes)
-        starts = [*range(0, K.shape[0], size), K.shape[0]]
+        starts = [*range(0, right.size, size), right.size]
         return solve_block_tridiagonal(K, right.ravel(), starts).reshape(-1, 3)
 
     def _find_pattern(self) -> None:

@@ -64,13 +64,14 @@ def couple_force(x: Array, W: Array, moment: Array) -> tuple[Array, Array]:
     G_inv = np.linalg.inv(np.trace(V) * np.eye(3) - V)
     mu = G_inv @ moment
     a = W @ R.T
-    force = np.cross(mu, a)
+    mu_hat = _hat(mu)
+    force = a @ mu_hat.T
 
     a_hat = _hat(a)
     w_x = G_inv @ a_hat  # (ns, 3, 3): spin by nodal displacement
     stretch = mu[:, None] * a[:, None, :] - (a @ mu)[:, None, None] * np.eye(3)
-    mu_x = -G_inv @ (stretch - V @ _hat(mu) @ w_x)
-    f_w = _hat(mu) @ a_hat
+    mu_x = -G_inv @ (stretch - V @ mu_hat @ w_x)
+    f_w = mu_hat @ a_hat
     tangent = -np.einsum("aij,bjk->aibk", a_hat, mu_x) - np.einsum("aij,bjk->aibk", f_w, w_x)
     return force, tangent.reshape(3 * len(x), 3 * len(x))
 

@@ -46,7 +46,7 @@ def torsion_constant_rectangle(side: float, other_side: float) -> float:
 
 
 def torsion_constant_linear_section(I_y: float, I_z: float) -> float:
-    """J = I_y + I_z [m4] of an element whose section stays plane (displacement linear in y, z): 3243, 3333."""
+    """J = I_y + I_z [m4] of an element whose displacement is linear in y, z (plane section): 3243, 3333."""
     return I_y + I_z
 
 

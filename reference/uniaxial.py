@@ -10,9 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import acos, acosh, cos, cosh, sqrt
-from typing import cast
 
-from scipy.optimize import brentq
+from reference.root import bracketed_root
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def uniaxial_neo_hookean(force: float, shear_modulus: float, area: float) -> Str
     """
     f = force / (shear_modulus * area)
     low, high = (1.0, 1.0 + f) if f >= 0 else (0.0, 1.0)
-    root = cast(float, brentq(lambda x: x**3 - f * x * x - 1, low, high, xtol=1e-15, rtol=1e-15))
+    root = bracketed_root(lambda x: x**3 - f * x * x - 1, low, high)
     return Stretch(root, 1 / sqrt(root))
 
 

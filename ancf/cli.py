@@ -1,0 +1,196 @@
+"""The command `ancf`: finds its subcommands, turns every refusal into a message and an exit code.
+
+Subcommands are entry points of the group ``ancf.commands`` and are imported only when called, so that
+``ancf --help`` is quick and this package imports none of the others.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib.metadata import EntryPoint, entry_points
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from ancf.errors import InputError, Message
+
+# Exit codes of the interface.
+DONE, INPUT_WRONG, NO_EQUILIBRIUM = 0, 2, 3
+INTERRUPTED = 130  # as shells report Ctrl-C
+
+# One line each for the help, in the order of the help; the commands themselves are not imported for it.
+DESCRIPTIONS = {
+    "solve": "Solve a scene: static equilibrium, tip pose, section forces.",
+    "check": "Check a scene and list what would be simulated.",
+    "validate": "Run the validation and write report.json.",
+    "report": "Run the validation and write report.html beside report.json.",
+}
+LATER_COMMANDS = ("cost", "dataset", "train", "crossval", "track", "invert")
+
+# Third-party package -> extra of this project that brings it.
+EXTRAS = {
+    "skfem": "reference",
+    "meshio": "pictures",
+    "matplotlib": "pictures",
+    "pyvista": "pictures",
+    "jinja2": "report",
+    "torch": "surrogate",
+}
+
+
+class Refused(InputError):
+    """The command line asks for something that does not exist or cannot be done."""
+
+
+class CommandGroup(TyperGroup):
+    """Subcommands from entry points: one line in the help, imported when called."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all installed subcommands, known ones first."""
+        found = _installed()
+        return [n for n in DESCRIPTIONS if n in found] + sorted(n for n in found if n not in DESCRIPTIONS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a stand-in that carries the line for the help."""
+        if cmd_name not in _installed():
+            return None
+        return TyperCommand(name=cmd_name, help=DESCRIPTIONS.get(cmd_name, "An added command."))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str, Any, list[str]]:
+        """Import and return the called subcommand; refuse one that does not exist."""
+        name, found = args[0], _installed()
+        if name in found:
+            return name, _load(found[name]), args[1:]
+        known = ", ".join(self.list_commands(ctx))
+        if name in LATER_COMMANDS:
+            raise Refused(
+                Message(
+                    f'The command "{name}" is not in this version.',
+                    f"command line: ancf {name}",
+                    f"this version has {known}",
+                    "the interface reserves it for a later version",
+                    f"use one of {known}",
+                )
+            )
+        from ancf.scene_table import nearest
+
+        close = nearest(name, [*found, *LATER_COMMANDS])
+        raise Refused(
+            Message(
+                f'Unknown command "{name}".',
+                f"command line: ancf {name}",
+                f'"{name}" is none of {known}',
+                "a misspelt command" if close else "the package that brings it may not be installed",
+                f'did you mean "{close}"?' if close else "see ancf --help",
+            )
+        )
+
+
+app = typer.Typer(
+    cls=CommandGroup,
+    add_completion=False,
+    rich_markup_mode=None,  # plain help: rich alone would take half of the time that --help may take
+    pretty_exceptions_enable=False,
+    invoke_without_command=True,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        import ancf
+
+        print(f"ancf {ancf.__version__}")
+        raise typer.Exit
+
+
+@app.callback(
+    epilog="Exit codes: 0 done, 2 the input is wrong, 3 no equilibrium found, 4 no valid certificate,"
+    " 5 a required validation check failed."
+)
+def root(
+    ctx: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Find the static equilibrium of soft continuum robots (ANCF beams)."""
+    if ctx.invoked_subcommand is None:
+        print(ctx.get_help())
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; refusals are messages on standard error.
+
+    Parameters
+    ----------
+    args : arguments without the program's name; None takes those of the process
+    """
+    arguments = list(sys.argv[1:] if args is None else args)
+    try:
+        code = typer.main.get_command(app).main(args=arguments, prog_name="ancf", standalone_mode=False)
+    except InputError as error:
+        return _refused(error.message)
+    except ModuleNotFoundError as error:
+        return _missing_package(error)
+    except (typer.Abort, KeyboardInterrupt):
+        return INTERRUPTED
+    except Exception as error:
+        # Typer keeps its usage errors in a private copy of click since 0.26: know them by their shape.
+        if not (hasattr(error, "format_message") and hasattr(error, "exit_code")):
+            raise
+        return _refused(_usage_message(error, arguments))
+    return code if isinstance(code, int) and not isinstance(code, bool) else DONE
+
+
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group="ancf.commands")}
+
+
+def _load(point: EntryPoint) -> Any:
+    """Import a subcommand, a plain function with typer's annotations or a typer application."""
+    loaded = point.load()
+    if isinstance(loaded, typer.Typer):
+        return typer.main.get_command(loaded)
+    single = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    single.command(name=point.name)(loaded)
+    return typer.main.get_command(single)
+
+
+def _refused(message: Message) -> int:
+    print(message, file=sys.stderr)
+    return INPUT_WRONG
+
+
+def _usage_message(error: Any, arguments: list[str]) -> Message:
+    """Return typer's usage error (unknown option, missing argument) in five parts."""
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "ancf"
+    return Message(
+        error.format_message(),
+        f"command line: {command}",
+        " ".join(["ancf", *arguments]),
+        "an option or argument is misspelt, missing or of the wrong kind",
+        f"see {command} --help",
+    )
+
+
+def _missing_package(error: ModuleNotFoundError) -> int:
+    """Name the extra that brings a missing package; a missing module of our own is a bug."""
+    package = (error.name or "").split(".")[0]
+    if package not in EXTRAS:
+        raise error
+    return _refused(
+        Message(
+            f'This needs the package "{package}", which is not installed.',
+            "command line",
+            f'"{package}" belongs to the extra "{EXTRAS[package]}"',
+            "the plain installation brings only what ancf solve needs",
+            f"pip install 'ancf[{EXTRAS[package]}]'",
+        )
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,224 @@
+"""The subcommands `ancf solve` and `ancf check`.
+
+Standard output carries the JSON object of ``--json`` and nothing else; people read standard error.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ancf.cli import NO_EQUILIBRIUM
+from ancf.errors import InputError, Message
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ancf.scene import Rod, Scene
+    from ancf.solution import Solution
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
+
+
+def solve(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="One or more scene files.")],
+    json: Json = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for result.json, .csv, .vtu and state.npz; a subfolder each for several scenes."
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Picture (.png, .svg, .pdf), one panel for each scene.")
+    ] = None,
+    view: Annotated[Path | None, typer.Option(help="Interactive view; not in this version.")] = None,
+) -> None:
+    """Find the static equilibrium of one or more scenes.
+
+    Exit code 0: converged. 2: the input is wrong, nothing was computed. 3: no equilibrium was found; the last
+    one on the way and the reason are in the result.
+    """
+    from ancf import view as pictures
+    from ancf.io import result_text, write_result
+    from ancf.scene_file import load_scene
+    from ancf.solver import solve as find_equilibrium
+
+    if view is not None:
+        _refuse_view(view)
+    loaded = [load_scene(path) for path in scenes]
+    if plot is not None:
+        pictures.check_picture_path(plot)
+    folders = _folders(scenes, out)
+    console = _console()
+    solutions, results = [], []
+    for path, scene, folder in zip(scenes, loaded, folders, strict=True):
+        with _progress(console, f"solving {path}", quiet=json):
+            solution = find_equilibrium(scene)
+        solutions.append(solution)
+        results.append(solution.as_dict() if folder is None else write_result(folder, solution))
+        _report(console, path, solution, results[-1], brief=json)
+    if plot is not None:
+        with _progress(console, f"drawing {plot}", quiet=json):
+            pictures.draw(solutions, plot)
+    if json:
+        print(result_text(results[0] if len(results) == 1 else {"schema": 1, "results": results}))
+    if any(result["status"] != "converged" for result in results):
+        raise typer.Exit(NO_EQUILIBRIUM)
+
+
+def check(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.")],
+    json: Json = False,
+) -> None:
+    """Check a scene: its rods, the effects that will be simulated, the unknowns and the reductions chosen."""
+    from ancf.io import result_text
+    from ancf.model import Model
+    from ancf.scene_file import load_scene
+
+    loaded = load_scene(scene)
+    found = {
+        "schema": 1,
+        "title": loaded.title,
+        "rods": {rod.name: _describe(rod) for rod in loaded.rods},
+        "effects": ["elastic", *_listed(loaded)],
+        "unknowns": Model(loaded).unknowns,
+        "reductions": [],
+        "warnings": [],
+    }
+    if json:
+        print(result_text(found))
+        return
+    console = _console()
+    console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
+    for rod in loaded.rods:
+        held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports)
+        console.print(
+            f"  rod {rod.name}: {rod.length:g} m, {rod.elements} x {rod.element} {rod.formulation}, {held}"
+        )
+        console.print(f"    {rod.section}")
+        console.print(f"    {rod.material}")
+    for name, records in _listed(loaded).items():
+        for record in records:
+            console.print(f"  {name}: {_fields_text(record)}")
+    console.print(f"  effects:    {', '.join(found['effects'])}")
+    console.print(f"  unknowns:   {found['unknowns']}")
+    console.print(f"  reductions: {', '.join(found['reductions']) or 'none'}")
+
+
+def _refuse_view(view: Path) -> None:
+    raise InputError(
+        Message(
+            "--view is not in this version.",
+            f"command line: --view {view}",
+            "this version draws with --plot FILE.png, .svg or .pdf",
+            "the interface reserves it for a later version",
+            "use --plot FILE.png",
+        )
+    )
+
+
+def _folders(scenes: list[Path], out: Path | None) -> list[Path | None]:
+    """Choose and check the output folders: `out` for one scene, subfolders by file name for several."""
+    from ancf.io import check_folder
+
+    if out is None:
+        return [None] * len(scenes)
+    if len(scenes) == 1:
+        return [check_folder(out)]
+    twice = [name for name, count in Counter(path.stem for path in scenes).items() if count > 1]
+    if twice:
+        raise InputError(
+            Message(
+                "Two scenes would write into one folder.",
+                f"--out {out}",
+                f'the file name "{twice[0]}" occurs more than once',
+                "each of several scenes gets a subfolder named after its file",
+                "rename a scene file, or solve the scenes one by one",
+            )
+        )
+    return [check_folder(out / path.stem) for path in scenes]
+
+
+def _console() -> Console:
+    from rich.console import Console
+
+    return Console(stderr=True, markup=False, highlight=False)
+
+
+def _progress(console: Console, text: str, quiet: bool) -> Any:
+    """Return a context that shows a spinner on a terminal, and nothing elsewhere."""
+    from contextlib import nullcontext
+
+    return nullcontext() if quiet or not console.is_terminal else console.status(text)
+
+
+def _report(console: Console, path: Path, solution: Solution, result: dict[str, Any], brief: bool) -> None:
+    """Tell a person how the solve ended; `brief` leaves only what went wrong."""
+    if not brief:
+        from rich.table import Table
+
+        table = Table(
+            "rod", "tip x [m]", "tip y [m]", "tip z [m]", "strain energy [J]", title=_heading(path, solution)
+        )
+        for name, rod in result["rods"].items():
+            table.add_row(name, *(f"{v:.8g}" for v in rod["tip"]["position"]), f"{rod['strain_energy']:.6g}")
+        console.print(table)
+        console.print(
+            f"{result['status']}: {result['iterations']} iterations in {result['steps']} steps,"
+            f" residual {result['residual']:.2g}, {result['unknowns']} unknowns,"
+            f" {result['seconds']['total']:.3f} s"
+        )
+    for warning in result["warnings"]:
+        print(f"warning: {path}: {warning}", file=sys.stderr)
+    if solution.message is not None:
+        print(f"{path}: {solution.message}", file=sys.stderr)
+
+
+def _heading(path: Path, solution: Solution) -> str:
+    return f"{solution.scene.title} ({path})" if solution.scene.title else str(path)
+
+
+def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
+    """Records of the effects that the scene lists, by the name of their table."""
+    found = {
+        "moment": scene.moments,
+        "force": scene.forces,
+        "line_load": scene.line_loads,
+        "gravity": (scene.gravity,) if scene.gravity else (),
+    }
+    return {name: records for name, records in found.items() if records}
+
+
+def _describe(rod: Rod) -> dict[str, Any]:
+    """Return what a rod is, in plain Python and SI units."""
+    return {
+        "length": rod.length,
+        "elements": rod.elements,
+        "element": rod.element,
+        "formulation": rod.formulation,
+        "axial_rule": rod.axial_rule,
+        "section": {"shape": type(rod.section).__name__.lower(), **_fields(rod.section)},
+        "material": {"law": "saint-venant-kirchhoff", **_fields(rod.material)},
+        "supports": [{"at": support.at, "kind": support.kind} for support in rod.supports],
+    }
+
+
+def _fields(record: Any) -> dict[str, Any]:
+    """Fields of a frozen record that are set."""
+    values = {field.name: getattr(record, field.name) for field in fields(record)}
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _fields_text(record: Any) -> str:
+    """Fields of a record in one line."""
+    return ", ".join(
+        f"{key} = {value.tolist() if hasattr(value, 'tolist') else value}"
+        for key, value in _fields(record).items()
+    )
