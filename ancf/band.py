@@ -1,4 +1,4 @@
-"""Banded matrices: assembly from dense blocks, LU with partial pivoting, cost linear in the number of elements.
+"""Banded matrices: assembly from dense blocks and LU with pivoting, at a cost linear in the elements.
 
 A rod couples only unknowns of one element, so with the nodes in order the tangent has a fixed half bandwidth
 and LAPACK's band LU (dgbtrf) solves it in O(n b^2).
@@ -12,10 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+_gbtrf, _gbtrs = get_lapack_funcs(("gbtrf", "gbtrs"), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class BandLU:
 
     def solve(self, right: Floats) -> Floats:
         """Solve for one right side (n,) or several (n, k)."""
-        x, info = lapack.dgbtrs(self.lu, self.pattern.b, self.pattern.b, right, self.pivots)
+        x, info = _gbtrs(self.lu, self.pattern.b, self.pattern.b, right, self.pivots)
         if info != 0:  # only an illegal argument: a bug of ours
             raise RuntimeError(f"dgbtrs: info = {info}")
         return x
@@ -68,7 +70,7 @@ class BandLU:
 
 def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
     """LU factors of the matrix in flat band storage; raises `SingularMatrixError` for a zero pivot."""
-    lu, pivots, info = lapack.dgbtrf(flat.reshape(3 * pattern.b + 1, pattern.n), pattern.b, pattern.b)
+    lu, pivots, info = _gbtrf(flat.reshape(3 * pattern.b + 1, pattern.n), pattern.b, pattern.b)
     if info > 0:
         raise SingularMatrixError(f"zero pivot at unknown {info - 1}")
     return BandLU(pattern, lu, pivots)

@@ -123,7 +123,8 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
     return factorial(power) / factorial(power - derivative) * xi ** (power - derivative)
 
 
-# 3243: cubic Hermite axis, linear section vectors. Two axial points leave spurious zero modes, three lock mildly.
+# 3243: cubic Hermite axis, linear section vectors. Two axial points leave spurious zero modes, three lock
+# mildly.
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
 ELEMENTS: dict[str, Element] = {
     "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5),

@@ -1,16 +1,16 @@
 r"""Elastic energy, force and tangent of one rod in the Gram form.
 
-For axial point p of element e: v = N e (N from section_energy.generalised_shape), gamma_ij = v_i . v_j - v0_i . v0_j,
+At each axial point v = N e (section_energy.generalised_shape) and gamma_ij = v_i . v_j - v0_i . v0_j:
 
     U = sum_p 1/2 gamma^T H gamma,      T = H gamma,
     Q = N^T (S v),                      S_ij = T_ij (i != j), 2 T_ii,
     K = N^T (B_v^T H B_v + S (x) I) N,  B_v = d gamma / d v.
 
 `H` carries the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
-tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent only,
-by the stress that the last linear step predicted: gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0 with the
-iterate v_o before that step. It lets Newton take long steps where axis and sections are much stiffer
-than bending, and vanishes at convergence.
+tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent
+only, by the stress that the last linear step predicted: gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0
+with the iterate v_o before that step. It lets Newton take long steps where axis and sections are much
+stiffer than bending, and vanishes at convergence.
 
 Positions enter relative to the first node of the element: what is common to all nodes cannot cancel later.
 """
@@ -59,7 +59,7 @@ class ElasticRod:
         return self._products(self.v0, self.v0)
 
     def generalised(self, e: Floats) -> Floats:
-        """Generalised vectors v (n_el, points, generalised vectors, 3) of nodal vectors e (n_el, nodal, 3)."""
+        """Generalised vectors v (n_el, points, generalised vectors, 3) of e (n_el, nodal, 3)."""
         relative = e.copy()
         relative[:, self.position_columns] -= e[:, self.position_columns[:1]]
         return self.N @ relative[:, None]
@@ -98,7 +98,7 @@ class ElasticRod:
         return S + np.swapaxes(S, -1, -2)  # doubles the diagonal, as d(v_i . v_i) = 2 v_i . dv_i demands
 
     def vector_force(self, v: Floats) -> Floats:
-        """Forces conjugate to the generalised vectors, (n_el, points, generalised vectors, 3), weight included."""
+        """Forces conjugate to v (n_el, points, generalised vectors, 3), axial weight included."""
         return self._symmetric(self._stress(self.gamma(v))) @ v
 
     def force(self, e: Floats) -> Floats:
@@ -132,9 +132,7 @@ class ElasticRod:
         B = np.matmul(np.swapaxes(self.N, -1, -2)[:, :, None], B_v).reshape(n_el, points, len(i), 3 * nodal)
         HB = self.H @ B
         size = 3 * nodal
-        return np.matmul(
-            np.swapaxes(B.reshape(n_el, -1, size), -1, -2), HB.reshape(n_el, -1, size)
-        )
+        return np.matmul(np.swapaxes(B.reshape(n_el, -1, size), -1, -2), HB.reshape(n_el, -1, size))
 
     def geometric_tangent(self, S: Floats) -> Floats:
         """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""

@@ -16,7 +16,9 @@ class Message:
     advice: str
 
     def __str__(self) -> str:
-        return f"{self.what}\n  where: {self.where}\n  value: {self.value}\n  cause: {self.cause}\n  try:   {self.advice}"
+        labels = ("where: ", "value: ", "cause: ", "try:   ")
+        parts = (self.where, self.value, self.cause, self.advice)
+        return "\n  ".join([self.what, *(label + part for label, part in zip(labels, parts, strict=True))])
 
 
 class InputError(ValueError):

@@ -18,7 +18,7 @@ RELATIVE_STEP = float(np.cbrt(np.finfo(float).eps))
 
 
 def difference_tangent(force: Callable[[Floats], Floats], e: Floats, unit: Floats) -> Floats:
-    """dQ/de (m, nd, nd) of force(e) -> Q for blocks e (m, nd / 3, 3); `unit` (same shape) scales the steps."""
+    """dQ/de (m, nd, nd) of force(e) -> Q for blocks e (m, nd / 3, 3); `unit` scales the steps."""
     m, vectors, _ = e.shape
     K = np.empty((m, 3 * vectors, 3 * vectors))
     for column in range(3 * vectors):

@@ -112,9 +112,8 @@ def _write_csv(path: Path, solution: Solution) -> None:
 def _write_vtu(path: Path, solution: Solution) -> bool:
     """Write the deformed surfaces of all rods; False when meshio is not installed.
 
-    Points are the deformed ones. Data: `displacement` [m] in SCS, `strain` (Green-Lagrange) and `stress` (second
-     Piola-Kirchhoff) [Pa], both (9,) row by row in the axes of the reference section, and `rod`, its
-    number in the scene.
+    Points are the deformed ones. Data: `displacement` [m] in SCS; `strain` (Green-Lagrange) and `stress`
+    (second Piola-Kirchhoff, Pa), both (9,) row by row in axes of the reference section; `rod`, its number.
     """
     try:
         import meshio

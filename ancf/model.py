@@ -3,8 +3,8 @@ r"""A scene as arrays: rods, the effects it lists, supports, scales; residual an
 Equilibrium at load factor l is g(q) = Q_elastic(q) - l Q_ext(q) = 0 on the motions that the supports allow
 (paper eq. 37, where the sign of Q_p is misprinted).
 
-Everything that is compared with a tolerance is dimensionless: unknowns by `unit` (a length L for positions, L^(1 - order)
-for derivatives), energies by E I / L, hence forces by E I / L^2 and moments by E I / L.
+Everything that is compared with a tolerance is dimensionless: unknowns by `unit` (a length L for positions,
+L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 and moments by E I / L.
 """
 
 from __future__ import annotations
@@ -136,11 +136,10 @@ class Model:
         for effect, slots in zip(self.effects, self._effect_slots, strict=True):
             with self._timed(effect.name):
                 e = _blocks(q, effect.dofs)
-                _add(Q_ext, effect.dofs, effect.force(e))
-                if differences:
+                Q_e, K_e = effect.force_and_tangent(e)
+                if differences and K_e is not None:
                     K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
-                else:
-                    K_e = effect.tangent(e)
+                _add(Q_ext, effect.dofs, Q_e)
                 if K_e is not None:
                     np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
         return Residual(Q_int, Q_ext), flat
@@ -214,7 +213,8 @@ class Model:
         return lu
 
     def row_sum(self, flat: Floats, q: Floats) -> float:
-        """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q can do to the residual."""
+        """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q can do to the
+        residual."""
         b, n = self.pattern.b, self.n
         bands = np.abs(flat * self._band_scale * np.tile(np.abs(q / self.unit), 3 * b + 1)).reshape(-1, n)
         total = np.zeros(n + 3 * b)

@@ -1,8 +1,9 @@
 """Newton iteration at one load factor: dimensionless step and residual, mixed-integration-point tangent.
 
-Converged means: last step <= tolerance (lengths by L, slopes by 1) and residual <= max(tolerance, floor), where the floor
-is what coordinates stored in float64 leave: eps sum_j |K_ij| |q_j| at the worst equation, about 10 eps n_el A L^2 / I for a
-rod of n_el elements, more near incompressibility. Nothing is divided by the load.
+Converged means: last step <= tolerance (lengths by L, slopes by 1) and residual <= max(tolerance, floor),
+where the floor is what coordinates stored in float64 leave: eps sum_j |K_ij| |q_j| at the worst equation,
+about 10 eps n_el A L^2 / I for a rod of n_el elements, more near incompressibility. Nothing is divided by
+the load.
 """
 
 from __future__ import annotations
@@ -20,11 +21,13 @@ Floats = NDArray[np.float64]
 
 # A step of this many rod lengths has left every basin of attraction worth waiting for.
 DIVERGED_STEP = 1e3
-# Good runs halve their step each time once the first few linear steps have stretched the rod; from this iteration on,
+# Good runs halve their step each time once the first few linear steps have stretched the rod; from this
+# iteration on,
 # a step of over a rod length that is not falling says that this start leads nowhere.
 PATIENCE = 7
 FALLING = 0.7
-# Residual that rounding leaves, in units of eps sum_j |K_ij| |q_j|: positions and slopes are stored to eps / 2, and
+# Residual that rounding leaves, in units of eps sum_j |K_ij| |q_j|: positions and slopes are stored to eps
+# / 2, and
 # strain products, stress and force add a few roundings each. Measured 0.02 to 0.4 over the hard cases.
 FLOOR_FACTOR = 1.0
 # Steps that stay below the tolerance while the residual does not fall: stuck above the floor.

@@ -1,15 +1,19 @@
 r"""Start values for Newton: the rod under its moments, and extrapolation of an equilibrium path.
 
-Moments fixed in space on a straight round rod clamped at one end give a helix in closed form (the internal moment is
-constant in space between loads). The same idea serves every section and reference curvature: with M(x) known,
+Moments fixed in space on a straight round rod clamped at one end give a helix in closed form (the internal
+moment is constant in space between loads). The same idea serves every section and reference curvature: with
+M(x) known,
 
-    R' = R hat(k_0 + C^-1 R_0^T R^T M),   r' = R e_x
+    R' = R hat(k_0 + C^-1 R^T M),   r' = R e_x,
 
-is an initial value problem, integrated here by the exponential midpoint rule. It is only a start value; the residual
-decides. Follower moments are integrated from their end, where they are known in the section's own axes.
+with R the section frame is an initial value problem, integrated here by the exponential midpoint rule. It is only a start value; the
+residual decides. Follower moments are integrated from their end, where they are known in the section's own
+axes.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +28,8 @@ from ancf.scene import Moment
 
 Floats = NDArray[np.float64]
 
-# Largest change of a local measure [rad] in the difference quotient that turns dq into rates of local measures.
+# Largest change of a local measure [rad] in the difference quotient that turns dq into rates of local
+# measures.
 _RATE_ANGLE = 1e-5
 # Midpoint steps between nodes; two keep the start within 1e-3 for a turn on 12 elements.
 _SUBSTEPS = 2
@@ -54,9 +59,8 @@ def moment_start(model: Model, load_factor: float) -> Floats | None:
 def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, follower: bool) -> Floats:
     """Nodal vectors (n_nodes, vectors, 3) of a rod bent by its moments."""
     x = rod.mesh.node_x
-    fine = np.concatenate(
-        [np.linspace(a, b, _SUBSTEPS, endpoint=False) for a, b in zip(x[:-1], x[1:], strict=True)] + [x[-1:]]
-    )
+    inner = x[:-1, None] + np.diff(x)[:, None] * (np.arange(_SUBSTEPS) / _SUBSTEPS)
+    fine = np.concatenate([inner.ravel(), x[-1:]])
     A_o = rod.rod.base.rotation
     compliance = _compliance(rod)
     total = np.array([load_factor * m.value for m in moments])
@@ -66,23 +70,28 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     ramp = np.diff(fine)
     curvature = np.asarray(rod.rod.curvature)
     if follower:
-        # Known in the axes of the loaded section: integrate back from there, then turn the whole rod to its base.
+        # Known in the axes of the loaded section: integrate back from there, then turn the whole rod to
+        # its base.
         _, frame = reference_axis(np.array([ends[0]]), rod.rod.curvature)
         last = int(np.searchsorted(fine, ends[0] - 1e-12 * rod.rod.length))
         value = total[0]
         rotations[last] = A_o @ frame[0]
         for i in range(last - 1, -1, -1):
-            half = rotations[i + 1] @ exp(-0.5 * ramp[i] * (curvature + compliance @ rotations[i + 1].T @ value))
-            rotations[i] = rotations[i + 1] @ exp(-ramp[i] * (curvature + compliance @ half.T @ value))
+            half = rotations[i + 1] @ _turn(
+                -0.5 * ramp[i] * (curvature + compliance @ (value @ rotations[i + 1]))
+            )
+            rotations[i] = rotations[i + 1] @ _turn(-ramp[i] * (curvature + compliance @ (value @ half)))
         turn = A_o @ rotations[0].T
         rotations[: last + 1] = turn @ rotations[: last + 1]
         for i in range(last, len(ramp)):
-            rotations[i + 1] = rotations[i] @ exp(ramp[i] * curvature)
+            rotations[i + 1] = rotations[i] @ _turn(ramp[i] * curvature)
     else:
+        middle_x = 0.5 * (fine[:-1] + fine[1:])
+        beyond = (ends >= middle_x[:, None]).astype(float) @ total  # moment carried by each interval
         for i, length in enumerate(ramp):
-            value = total[ends >= 0.5 * (fine[i] + fine[i + 1])].sum(axis=0)
-            half = rotations[i] @ exp(0.5 * length * (curvature + compliance @ rotations[i].T @ value))
-            rotations[i + 1] = rotations[i] @ exp(length * (curvature + compliance @ half.T @ value))
+            value = beyond[i]
+            half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
+            rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
     # Chord of a circular arc: shorter than the arc by sin(a/2)/(a/2).
     theta = log(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
     middle = rotations[:-1] @ exp(0.5 * theta)
@@ -96,6 +105,23 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     return q
 
 
+def _turn(v: Floats) -> Floats:
+    """`rotation.exp` of one vector in plain floats; array overhead would rule a step-by-step loop."""
+    x, y, z = v.tolist()
+    angle2 = x * x + y * y + z * z
+    angle = math.sqrt(angle2)
+    small = angle < 1e-4
+    a = 1.0 - angle2 / 6.0 if small else math.sin(angle) / angle
+    b = 0.5 - angle2 / 24.0 if small else 2.0 * (math.sin(0.5 * angle) / angle) ** 2
+    return np.array(
+        [
+            [1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y],
+            [b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x],
+            [b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)],
+        ]
+    )
+
+
 def _compliance(rod: RodModel) -> Floats:
     """Inverse of diag-block(GJ, bending) in section axes (3, 3): curvature (twist, y, z) per moment."""
     material, second = rod.rod.material, rod.rod.section.second_moments
@@ -105,7 +131,7 @@ def _compliance(rod: RodModel) -> Floats:
     stiffness[1:, 1:] = material.young_modulus * np.array(
         [[second[1, 1], -second[0, 1]], [-second[0, 1], second[0, 0]]]
     )
-    return np.linalg.inv(stiffness)
+    return np.linalg.inv(stiffness).astype(float)
 
 
 class Path:
@@ -138,7 +164,8 @@ class Path:
         """Start at a load factor by the polynomial through the last two or three equilibria."""
         known = np.array([point[0] for point in self.points])
         weights = [
-            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)])) for i, a in enumerate(known)
+            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)]))
+            for i, a in enumerate(known)
         ]
         shapes = []
         for index in range(len(self.model.rods)):
@@ -147,7 +174,9 @@ class Path:
             for part in parts[1:]:
                 total = total + part
             shapes.append(total)
-        linear = sum((point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n))
+        linear = sum(
+            (point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n)
+        )
         return self._rebuild(shapes, linear)
 
     def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
@@ -161,5 +190,7 @@ class Path:
             now = self._of(rod, self.points[-1][2])
             rotation = node_rotations(rod, now)[node]
             position = now[node, rod.element.vectors.index(R)]
-            q[rod.first_dof : rod.first_dof + rod.size] = from_local(rod, shape, node, position, rotation).ravel()
+            q[rod.first_dof : rod.first_dof + rod.size] = from_local(
+                rod, shape, node, position, rotation
+            ).ravel()
         return q

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import ELEMENTS, R, Element
+from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
 from ancf.errors import Message, SceneError
 from ancf.mesh import Mesh, element_breaks, make_mesh, reference_axis, reference_nodes
@@ -93,23 +93,26 @@ class RodModel:
         straight = not np.any(self.rod.curvature)
         N, H = [], []
         for element_index in first:
-            h = self.mesh.h[element_index]
+            h = float(self.mesh.h[element_index])
             shape = generalised_shape(self.element, xi, h)
             v0 = shape @ _relative(self.element, self.e0[element_index])
             N.append(shape)
-            H.append(
-                [
-                    0.5 * h * w * section_stiffness(
-                        self.element, self.rod.section, self.rod.material, self.rod.formulation,
-                        self.rod.shear_factors, v, straight,
-                    )
-                    for w, v in zip(weight, v0, strict=True)
-                ]
-            )  # fmt: skip
+            # A straight rod has the same section at every point.
+            per_length = [
+                section_stiffness(
+                    self.element, self.rod.section, self.rod.material, self.rod.formulation,
+                    self.rod.shear_factors, v, straight,
+                )
+                for v in (v0[:1] if straight else v0)
+            ]  # fmt: skip
+            H.append((0.5 * h * weight)[:, None, None] * per_length)
         one_kind = len(first) == 1
         N_all, H_all = np.array(N), np.array(H)
         columns = np.array(
-            [n * len(self.element.vectors) + self.element.vectors.index(R) for n in range(len(self.element.node_xi))]
+            [
+                n * len(self.element.vectors) + self.element.vectors.index(R)
+                for n in range(len(self.element.node_xi))
+            ]
         )
         return ElasticRod(
             N_all if one_kind else N_all[kind], H_all if one_kind else H_all[kind], self.e0, columns

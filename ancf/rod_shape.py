@@ -1,12 +1,12 @@
-r"""A rod's configuration as local measures between nodes, and back: the coordinates in which extrapolation is mild.
+r"""A rod's configuration as local measures between nodes, and back, for mild extrapolation.
 
 Between neighbouring nodes i and i+1 with section rotations R_i (relative to the reference):
 
-    theta_i = Log(R_i^T R_{i+1}),   c_i = (R_i Exp(theta_i / 2))^T (r_{i+1} - r_i),   u_i = R_i^T (nodal vectors).
+    theta_i = Log(R_i^T R_{i+1}),   c_i = (R_i Exp(theta_i / 2))^T (r_{i+1} - r_i),   u_i = R_i^T d_i (d: nodal vectors).
 
 Absolute positions and slopes change like cos and sin of the load; these measures change nearly linearly,
-because bending moment and curvature are proportional. Extrapolating them and rebuilding the shape from a clamp
-never stretches the rod, which linear extrapolation of coordinates does at once.
+because bending moment and curvature are proportional. Extrapolating them and rebuilding the shape from a
+clamp never stretches the rod, which linear extrapolation of coordinates does at once.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import R, R_Y, R_Z
+from ancf.elements import R_Y, R_Z, R
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, log, section_rotation
 from ancf.section_energy import director_weights
@@ -43,8 +43,7 @@ def nodal_weights(model: RodModel) -> Floats:
     """Section-rotation weights at the nodes (n_nodes, 3, 3); nodal vectors serve as directors there."""
     directors = [R, R_Y, R_Z]
     columns = [model.element.vectors.index(order) for order in directors]
-    W = director_weights(model.element, model.rod.section, model.q0[:, columns])
-    return W
+    return director_weights(model.element, model.rod.section, model.q0[:, columns])
 
 
 def node_rotations(model: RodModel, q: Floats) -> Floats:

@@ -85,7 +85,8 @@ class SectionRotation:
 
 
 def section_rotation(d: Floats, W: Floats) -> SectionRotation:
-    """Polar rotation of the directors d (..., directors, 3) against the reference weights W (same shape) [m4].
+    """Polar rotation of the directors d (..., directors, 3) against the reference weights W (same shape)
+    [m4].
 
     W_k = sum_b (int phi_k s_b dA) E_b with the section coordinates s = (y, z) and the reference directors
     E_y, E_z: the same least-squares rotation of the section as in the 3-D solid, so that moments on both are

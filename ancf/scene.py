@@ -50,7 +50,9 @@ class Rod:
     axial_rule: str | int = "default"
     base: Frame = field(default_factory=Frame)
     supports: tuple[Support, ...] = (Support(),)
-    curvature: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # 1/m, twist, about y, about z
+    curvature: NDArray[np.float64] = field(
+        default_factory=lambda: np.zeros(3)
+    )  # 1/m, twist, about y, about z
     shear_factors: tuple[float, float] = (1.0, 1.0)  # k_y, k_z
 
 

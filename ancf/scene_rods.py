@@ -41,6 +41,7 @@ SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
 SAME_PLACE = 1e-9  # of the length; two supports closer than this hold the same section
 LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
+LARGEST_FLOOR = 1e-2  # of E I / L^2: an equilibrium with an error of one percent is none
 POISSON = Limit(lambda v: -1.0 < v < 0.5, "inside (-1, 0.5), both ends excluded")
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
@@ -65,6 +66,7 @@ def read_rod(table: Table, index: int) -> Rod:
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, formulation),
     )
+    _check_slenderness(table, rod)
     _check_curvature(table, rod)
     _check_rigid_motion(table, rod)
     return rod
@@ -181,6 +183,21 @@ def _supports(table: Table) -> tuple[Support, ...]:
             "remove the key (a clamp at 0), or list at least one clamp",
         )
     return tuple(supports)
+
+
+def _check_slenderness(table: Table, rod: Rod) -> None:
+    """Refuse a rod so slender that float64 positions leave no digits of its residual (newton.py)."""
+    gyration2 = float(np.linalg.eigvalsh(rod.section.second_moments)[0]) / rod.section.area
+    floor = 10.0 * float(np.finfo(float).eps) * rod.elements * rod.length**2 / gyration2
+    if floor > LARGEST_FLOOR:
+        table.refuse(
+            "length",
+            "The rod is too slender for double precision.",
+            f"length / radius of gyration = {rod.length / math.sqrt(gyration2):.3g} with {rod.elements}"
+            f" elements leaves a residual of {floor:.2g}, must be <= {LARGEST_FLOOR:g}",
+            "length or section is given in the wrong unit, or a thread is modelled as a rod",
+            "check length and section [m], or take fewer elements",
+        )
 
 
 def _check_curvature(table: Table, rod: Rod) -> None:

@@ -18,6 +18,7 @@ SECTION_KEYS = {
     "ellipse": ("semi_axis_y", "semi_axis_z"),
     "polygon": ("points",),
 }
+THINNEST = 1e-6  # below it half of the digits of the section's moments are lost
 MOST_CORNERS = 1000  # the test for crossing edges compares every pair
 
 
@@ -25,14 +26,30 @@ def read_section(table: Table) -> Section:
     """Read the cross-section; each shape knows its own keys."""
     shape = table.word("shape", tuple(SECTION_KEYS))
     table.expect_keys(("shape", *SECTION_KEYS[shape]))
-    if shape == "polygon":
-        return _polygon(table)
+    section = _polygon(table) if shape == "polygon" else _plain_shape(table, shape)
+    # Gyration radius of the weaker axis against the outer radius; squares of it divide in the solver.
+    thinness = (
+        float(np.sqrt(np.linalg.eigvalsh(section.second_moments)[0] / section.area)) / section.outer_radius
+    )
+    if not thinness >= THINNEST:
+        table.refuse(
+            "",
+            "The section is too thin to compute with.",
+            f"radius of gyration / outer radius = {thinness:.3g}, must be >= {THINNEST:g}",
+            "one side is given in the wrong unit",
+            "check the two sides of the section [m]",
+        )
+    return section
+
+
+def _plain_shape(table: Table, shape: str) -> Section:
+    """Read a shape that is given by its sizes."""
     sizes = {key: table.number(key, LENGTH, limit=SIZE) for key in SECTION_KEYS[shape]}
-    if shape == "annulus" and sizes["inner_radius"] >= sizes["radius"]:
+    if shape == "annulus" and sizes["inner_radius"] > (1.0 - THINNEST) * sizes["radius"]:
         table.refuse(
             "inner_radius",
             "The annulus has no wall.",
-            f"inner_radius = {sizes['inner_radius']:g} m >= radius = {sizes['radius']:g} m",
+            f"inner_radius = {sizes['inner_radius']:g} m, radius = {sizes['radius']:g} m",
             "the two radii are swapped, or diameters and radii are mixed",
             "give inner_radius < radius",
         )

@@ -33,7 +33,8 @@ Floats = NDArray[np.float64]
 
 # Straight: strains are quadratic in (y, z) at most for linear sections, so their products have degree 4.
 STRAIGHT_DEGREE = 4
-# Curved: J_0^-1 and det J_0 make the integrand a quotient 1/(1 - kappa y)^3; degree 16 leaves 1e-12 at kappa R = 0.1.
+# Curved: J_0^-1 and det J_0 make the integrand a quotient 1/(1 - kappa y)^3; degree 16 leaves 1e-12 at
+# kappa R = 0.1.
 CURVED_DEGREE = 16
 
 
@@ -103,7 +104,9 @@ def strain_matrix(weights_local: Floats) -> Floats:
     B = np.empty((len(weights_local), 6, len(i)))
     half = np.where(i == j, 0.5, 1.0)  # an off-diagonal product stands for two entries of the Gram matrix
     for row, (a, b) in enumerate(VOIGT):
-        product = weights_local[:, i, a] * weights_local[:, j, b] + weights_local[:, j, a] * weights_local[:, i, b]
+        product = (
+            weights_local[:, i, a] * weights_local[:, j, b] + weights_local[:, j, a] * weights_local[:, i, b]
+        )
         B[:, row] = product * half * (0.5 if a == b else 1.0)
     return B
 
@@ -154,5 +157,3 @@ def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
     moments[0] = 0.0  # the axis runs through the centroid; remove the rounding
     E = np.stack([d0[..., element.directors.index(m), :] for m in ((1, 0), (0, 1))], axis=-2)
     return np.einsum("kb,...bi->...ki", moments, E)
-
-

@@ -47,9 +47,7 @@ class Section(ABC):
     @cached_property
     def second_moments(self) -> Floats:
         """Symmetric matrix (2, 2) [m4] of int (y, z) (y, z)^T dA = [[I_z, I_yz], [I_yz, I_y]]."""
-        return np.array(
-            [[self.moment(2, 0), self.moment(1, 1)], [self.moment(1, 1), self.moment(0, 2)]]
-        )
+        return np.array([[self.moment(2, 0), self.moment(1, 1)], [self.moment(1, 1), self.moment(0, 2)]])
 
     @cached_property
     def outer_radius(self) -> float:
@@ -116,9 +114,7 @@ class Annulus(Section):
     def contains(self, y: float, z: float, tolerance: float = 1e-9) -> bool:
         """See `Section.contains`; the bore does not belong to the section."""
         distance = np.hypot(y, z)
-        return bool(
-            self.inner_radius * (1.0 - tolerance) <= distance <= self.radius * (1.0 + tolerance)
-        )
+        return bool(self.inner_radius * (1.0 - tolerance) <= distance <= self.radius * (1.0 + tolerance))
 
 
 @dataclass(frozen=True)
@@ -195,7 +191,9 @@ class Polygon(Section):
         b = np.roll(a, -1, axis=0)
         xi, weight = gauss(points_for_degree(degree + 1))  # + 1: Jacobian of the collapsed square
         u, v = np.meshgrid(0.5 * (1.0 + xi), 0.5 * (1.0 + xi), indexing="ij")
-        point = u.ravel()[:, None, None] * ((1.0 - v).ravel()[:, None, None] * a + v.ravel()[:, None, None] * b)
+        point = u.ravel()[:, None, None] * (
+            (1.0 - v).ravel()[:, None, None] * a + v.ravel()[:, None, None] * b
+        )
         twice_area = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
         weights = (0.25 * np.outer(weight, weight) * u).ravel()[:, None] * twice_area
         return point[..., 0].ravel(), point[..., 1].ravel(), weights.ravel()

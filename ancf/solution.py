@@ -1,4 +1,4 @@
-"""The result of a solve: a record with poses, section forces, reactions, and the JSON form of interface.md."""
+"""The result of a solve: a record with poses, section forces, reactions, and its JSON form."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Status(enum.StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A section in SCS: absolute position [m], position gradients [-], rotation from the reference section."""
+    """A section in SCS: absolute position [m], position gradients, rotation of the section."""
 
     position: Floats  # (3,)
     r_x: Floats  # (3,)
@@ -146,7 +146,7 @@ class Solution:
         return g - self.model.project(g)
 
     def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
-        """Force (3,) [N] and moment (3,) [N m] about the rod's base that all its supports exert on the rod."""
+        """Force (3,) [N] and moment (3,) [N m] about the rod's base exerted by all its supports."""
         rod = self._rod(name)
         Q = self._support_force[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
         return Q[:, 0].sum(axis=0), np.cross(self._nodal(rod), Q).sum(axis=(0, 1))

@@ -77,7 +77,10 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
 EXTREME_LOAD = 1e5
 
 _CAUSES = {
-    Outcome.TOO_MANY: ("the load step is too large or a limit point is near", "use smaller loads, or more elements"),
+    Outcome.TOO_MANY: (
+        "the load step is too large or a limit point is near",
+        "use smaller loads, or more elements",
+    ),
     Outcome.DIVERGED: (
         "the load has no equilibrium near this shape, or is far beyond the rod's stiffness",
         "check the units of load, modulus and section",
@@ -105,16 +108,19 @@ def _explain(model: Model, trace: Trace) -> Message:
     where = f"load step {trace.steps + 1}"
     if trace.status is Status.OUT_OF_TIME:
         return Message(
-            what, where, f"more than max_seconds = {options.max_seconds:g} s", "the budget is too small for this scene",
+            what,
+            where,
+            f"more than max_seconds = {options.max_seconds:g} s",
+            "the budget is too small for this scene",
             "raise `max_seconds`, or use fewer elements",
-        )  # fmt: skip
+        )
     assert failed is not None
     name, node = _owner(model, failed.worst_dof)
     where += f", rod {name!r}, node {node}"
     value = f"residual {failed.residual:.2e} > {max(options.tolerance, failed.floor):.1e}"
     value += f" after {len(failed.history)} iterations and {trace.cutbacks} cut-backs"
     if trace.status is Status.LIMIT_POINT:
-        cause = f"a limit point: the shape changes {trace.rates[-1]:.0f} rod lengths per unit of load factor there"
+        cause = f"a limit point: the shape changes by {trace.rates[-1]:.0f} rod lengths per load factor there"
         advice = "load the rod less; path following through limit points is not in this version"
     elif trace.status is Status.MATERIAL_UNSTABLE:
         value = f"smallest axial stretch {smallest_stretch(model, trace.q):.3f}"
@@ -130,7 +136,9 @@ def _explain(model: Model, trace: Trace) -> Message:
         cause, advice = _CAUSES[failed.outcome]
     largest = float(np.max(np.abs(model.residual(model.q0).Q_ext / model.force_unit)))
     if largest > EXTREME_LOAD:
-        cause = f"the load is {largest:.1e} times E I / L^2 (moments: E I / L), far beyond the stiffness of the rod"
+        cause = (
+            f"the load is {largest:.1e} times E I / L^2 (moments: E I / L), far beyond the rod's stiffness"
+        )
         advice = "check the units of load, modulus and section"
     if not np.isfinite(failed.residual):
         value = f"residual not finite after {len(failed.history)} iterations and {trace.cutbacks} cut-backs"

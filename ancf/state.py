@@ -43,7 +43,8 @@ def save_state(path: str | os.PathLike[str], solution: Solution) -> None:
 def resume(scene: Scene, path: str | os.PathLike[str]) -> Solution:
     """Solve a scene from a saved state.
 
-    Raises `InputError` when the file cannot be read or its rods, elements and meshes are not those of the scene.
+    Raises `InputError` when the file cannot be read or its rods, elements and meshes are not those of the
+    scene.
     """
     try:
         with np.load(path, allow_pickle=False) as data:

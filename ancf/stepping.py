@@ -1,8 +1,8 @@
 """Load steps: predictor, Newton, growth and cut-back, and a typed reason when no equilibrium is found.
 
 The full load is tried first from the moment predictor, or from the reference when there is none. If that
-fails the load grows in steps: each start is extrapolated in local measures (rod_shape.py), a failed step is cut,
-quick steps grow. Nothing goes on from a failed step: the path continues from the last equilibrium.
+fails the load grows in steps: each start is extrapolated in local measures (rod_shape.py), a failed step is
+cut, quick steps grow. Nothing goes on from a failed step: the path continues from the last equilibrium.
 """
 
 from __future__ import annotations
@@ -26,10 +26,14 @@ QUICK_ITERATIONS = 6  # a step that took no more may grow
 GROWTH = 2.0
 CUT = 0.25
 SMALLEST_STEP = 1e-6  # of the full load
-FIRST_TURN = 1.0  # the linear solution of the first load step may turn or move sections by this (rad, lengths)
-# dq / d load factor grows like 1 / sqrt(distance) towards a limit point; with steps down to 1e-6 by far more than this.
+FIRST_TURN = (
+    1.0  # the linear solution of the first load step may turn or move sections by this (rad, lengths)
+)
+# dq / d load factor grows like 1 / sqrt(distance) towards a limit point; with steps down to 1e-6 by far
+# more than this.
 LIMIT_POINT_RATE = 20.0
-# Uniaxial Saint Venant-Kirchhoff, P = E (s^3 - s) / 2, carries no more compression below s = 1/sqrt(3) = 0.577;
+# Uniaxial Saint Venant-Kirchhoff, P = E (s^3 - s) / 2, carries no more compression below s = 1/sqrt(3) =
+# 0.577;
 # a rod within 3 % of it when the search ends has met that limit.
 UNSTABLE_STRETCH = 0.595
 

@@ -1,18 +1,19 @@
 """Supports: linear conditions on the vectors of one node, as the paper's B_2 and as a projector.
 
 A support is a set of rows C with C dq = 0 on the 3 n_v unknowns of its node. The solver keeps all unknowns
-and projects with P = I - C^T (C C^T)^-1 C, which leaves the band untouched; `basis` is the paper's B_2 (eq. 10),
-an orthonormal basis of the allowed motions, for inspection.
+and projects with P = I - C^T (C C^T)^-1 C, which leaves the band untouched; `basis` is the paper's B_2 (eq.
+10), an orthonormal basis of the allowed motions, for inspection.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import R, R_Y, R_Z, Element
+from ancf.elements import R_Y, R_Z, Element, R
 
 Floats = NDArray[np.float64]
 
@@ -24,18 +25,20 @@ class NodeSupport:
     dofs: NDArray[np.intp]  # (nd,)
     rows: Floats  # (conditions, nd)
 
-    @property
+    @cached_property
     def projector(self) -> Floats:
         """Projector (nd, nd) on the allowed motions."""
         basis = self.basis
         return basis @ basis.T
 
-    @property
+    @cached_property
     def basis(self) -> Floats:
         """Orthonormal allowed motions (nd, free), the node's block of B_2."""
         nd = self.rows.shape[1]
         fixed = np.any(self.rows != 0.0, axis=0)
-        if len(self.rows) == np.count_nonzero(fixed):  # whole components are fixed: keep the unit vectors exact
+        if len(self.rows) == np.count_nonzero(
+            fixed
+        ):  # whole components are fixed: keep the unit vectors exact
             return np.eye(nd)[:, ~fixed]
         _, singular, right = np.linalg.svd(self.rows)
         return right[np.count_nonzero(singular > 1e-12) :].T
@@ -46,8 +49,10 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
 
     Parameters
     ----------
-    kind : ``clamp`` fixes every nodal vector; ``pin`` fixes r; ``free_section_clamp`` fixes r, the plane of the
-        section (r_y . x = r_z . x = 0) and its orientation (r_y . z = r_z . y), and leaves it free to contract
+    kind : ``clamp`` fixes every nodal vector; ``pin`` fixes r; ``free_section_clamp`` fixes r, the plane
+    of the
+        section (r_y . x = r_z . x = 0) and its orientation (r_y . z = r_z . y), and leaves it free to
+        contract
     frame : section frame (3, 3) of the reference at the support, columns x, y, z in SCS
     """
     count = len(element.vectors)
@@ -65,7 +70,5 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
         return np.array(position)
     if kind == "free_section_clamp":
         x, y, z = frame.T
-        return np.array(
-            [*position, row((R_Y, x)), row((R_Z, x)), row((R_Y, z), (R_Z, -y))]
-        )
+        return np.array([*position, row((R_Y, x)), row((R_Z, x)), row((R_Y, z), (R_Z, -y))])
     raise ValueError(f"unknown support kind {kind!r}")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ancf.rotation import section_rotation
-from ancf.sections import Annulus, Circle
 from ancf.section_energy import local_gradient, strain_matrix
+from ancf.sections import Annulus, Circle
 
 if TYPE_CHECKING:
     from ancf.rod_model import RodModel
@@ -36,28 +36,29 @@ def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
     if spec.formulation == "continuum" and nu != 0.0:
         factor = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
         found.append(
-            f"known limit: formulation \"continuum\" with a linear section bends as if E I were {factor:.4g} times "
-            f"its value at nu = {nu:g} (Poisson locking, at every mesh); use \"enhanced\""
+            f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
+            f'times its value at nu = {nu:g} (Poisson locking, at every mesh); use "enhanced"'
         )
     strain = largest_strain(solution, rod)
     if strain > STRAIN_LIMIT:
         found.append(
-            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff and a linear "
-            "section depart from a real solid there, by about 1.4 times the strain squared in bending"
+            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff and "
+            "a linear section depart from a real solid there, by about 1.4 times the strain squared in bending"
         )
     slenderness = spec.length / spec.elements / rod.radius_of_gyration
     locks = rod.element.name == "3243" or rod.axial_points > 2
     if locks and slenderness > LOCKING_SLENDERNESS:
         found.append(
-            f"element {rod.element.name} with {rod.axial_points} axial points locks when bent at element length / radius "
-            f"of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its default rule, or more elements"
+            f"element {rod.element.name} with {rod.axial_points} axial points locks when bent: element "
+            f"length / radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
+            "default rule, or more elements"
         )
     if not isinstance(spec.section, Circle | Annulus):
-        share = twist_energy_share(solution, rod)
+        share = twist_share(solution, rod)
         if share > TORSION_SHARE:
             found.append(
-                f"known limit: torsion carries {share:.1%} of the section work and the sections of element "
-                f"{rod.element.name} cannot warp: their torsion stiffness is G (I_y + I_z), too high unless round"
+                f"known limit: {share:.1%} of the squared section moment is torsion, and sections of "
+                f"{rod.element.name} cannot warp: torsion stiffness G (I_y + I_z) is too high unless round"
             )
     return found
 
@@ -71,8 +72,8 @@ def largest_strain(solution: Solution, rod: RodModel) -> float:
     return float(np.max(np.abs(strain)))
 
 
-def twist_energy_share(solution: Solution, rod: RodModel) -> float:
-    """Share of the section moment that is twist about the axis, squared and averaged over the rod."""
+def twist_share(solution: Solution, rod: RodModel) -> float:
+    """Share of the twisting moment in the squared section moment, summed over the rod."""
     forces = solution.section_forces(rod.rod.name)
     axes = []
     for at in forces.at:

@@ -19,7 +19,7 @@ from ancf.mesh import reference_axis
 from ancf.solution import Status
 
 if TYPE_CHECKING:
-    from ancf.solution import Pose, Solution
+    from ancf.solution import Solution
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +28,7 @@ PANEL_INCHES = 4.6
 TUBE_RINGS = 60  # along a rod; smooth at the size of a panel
 OUTLINE_POINTS = 20
 FRAME_SHARE = 0.14  # arrow length, of the rod's length
+LEAST_SPAN = 0.4  # of the longest side of the box
 AXIS_COLOURS = ("#c0392b", "#1e8449", "#1f4e9c")  # x, y, z
 REFERENCE_COLOUR, DEFORMED_COLOUR = "#9aa5ad", "#d98e32"
 
@@ -82,6 +83,7 @@ def draw(solutions: Sequence[Solution], path: str | os.PathLike[str]) -> None:
 
 def _draw_panel(axes: Any, solution: Solution) -> None:
     """Draw all rods of one solution with equal scales on the three axes."""
+    points = []
     for rod in solution.scene.rods:
         at = np.linspace(0.0, 1.0, TUBE_RINGS + 1)
         outline = rod.section.outline(OUTLINE_POINTS)
@@ -95,22 +97,29 @@ def _draw_panel(axes: Any, solution: Solution) -> None:
         A_o, size = rod.base.rotation, FRAME_SHARE * rod.length
         for position, frame in zip(end @ A_o.T + rod.base.position, A_o @ frames, strict=True):
             _draw_frame(axes, position, frame, size, alpha=0.45)
-        _draw_pose(axes, solution.tip(rod.name), size)
-    axes.set_aspect("equal")
-    axes.tick_params(labelsize=6)
-    for name in "xyz":
-        getattr(axes, f"set_{name}label")(f"{name.upper()} [m]", fontsize=8)
-        getattr(axes, f"{name}axis").set_major_locator(_ticks())
+        tip = solution.tip(rod.name)
+        _draw_frame(axes, tip.position, np.column_stack([tip.r_x, tip.r_y, tip.r_z]), size, alpha=1.0)
+        points += [before.reshape(-1, 3), after.reshape(-1, 3), tip.position + size * np.eye(3)]
+    _set_equal_scales(axes, np.concatenate(points))
     title = textwrap.fill(solution.scene.title, 48)
     if solution.status is not Status.CONVERGED:
         title += f"\n{solution.status} at load factor {solution.load_factor:.3g}"
     axes.set_title(title, fontsize=9)
 
 
-def _ticks() -> Any:
+def _set_equal_scales(axes: Any, points: Floats) -> None:
+    """Show all points (n, 3) with the same scale on the three axes, which a thin rod must not flatten."""
     from matplotlib.ticker import MaxNLocator
 
-    return MaxNLocator(5)
+    low, high = points.min(axis=0), points.max(axis=0)
+    longest = float(np.max(high - low))
+    span = np.maximum(high - low, LEAST_SPAN * longest)
+    for name, middle, length in zip("xyz", 0.5 * (low + high), span, strict=True):
+        getattr(axes, f"set_{name}lim")(middle - 0.5 * length, middle + 0.5 * length)
+        getattr(axes, f"set_{name}label")(f"{name.upper()} [m]", fontsize=8)
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(max(2, round(5 * length / longest))))
+    axes.set_box_aspect(span, zoom=0.8)
+    axes.tick_params(labelsize=6)
 
 
 def _draw_tube(axes: Any, points: Floats, marks: NDArray[np.intp], colour: str, alpha: float) -> None:
@@ -120,10 +129,6 @@ def _draw_tube(axes: Any, points: Floats, marks: NDArray[np.intp], colour: str, 
     )
     for ring in points[marks]:
         axes.plot(*ring.T, color="black", alpha=0.6 * alpha, linewidth=0.5)
-
-
-def _draw_pose(axes: Any, pose: Pose, size: float) -> None:
-    _draw_frame(axes, pose.position, np.column_stack([pose.r_x, pose.r_y, pose.r_z]), size, alpha=1.0)
 
 
 def _draw_frame(axes: Any, position: Floats, frame: Floats, size: float, alpha: float) -> None:

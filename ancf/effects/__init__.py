@@ -16,8 +16,10 @@ Floats = NDArray[np.float64]
 class Effect(Protocol):
     """What the solver asks of a load.
 
-    `dofs` (m, nd) are the unknowns of its m blocks; `force` and `tangent` take the nodal vectors of the blocks
-    e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and dQ/de (m, nd, nd),
+    `dofs` (m, nd) are the unknowns of its m blocks; `force` and `force_and_tangent` take the nodal vectors
+    of the
+    blocks e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and dQ/de
+    (m, nd, nd),
     None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the load has none.
     """
 
@@ -28,8 +30,8 @@ class Effect(Protocol):
         """Generalised force Q (m, nd / 3, 3)."""
         ...
 
-    def tangent(self, e: Floats) -> Floats | None:
-        """Load tangent dQ/de (m, nd, nd), None where it is zero."""
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats | None]:
+        """Q and the load tangent dQ/de (m, nd, nd), None where it is zero."""
         ...
 
     def potential(self, e: Floats) -> float | None:
@@ -49,9 +51,9 @@ class DeadLoad:
         """See `Effect.force`."""
         return self.Q
 
-    def tangent(self, e: Floats) -> None:
-        """See `Effect.tangent`: a dead load has none."""
-        return
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, None]:
+        """See `Effect.force_and_tangent`: a dead load has no tangent."""
+        return self.Q, None
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`: V = -Q . e."""

@@ -49,13 +49,15 @@ class FollowerForce:
         R = section_rotation(self.point.N @ e[0], self.point.W).R
         return np.outer(self.shape, R @ self.value)[None]
 
-    def tangent(self, e: Floats) -> Floats:
-        """See `Effect.tangent`: dQ = -S^T hat(F) dw."""
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`: dQ = -S^T hat(F) dw."""
         rotation = section_rotation(self.point.N @ e[0], self.point.W)
+        F = rotation.R @ self.value
         dw = np.einsum("ikc,kn->inc", rotation.spin(), self.point.N)
-        dF = -np.einsum("ij,jnc->inc", hat(rotation.R @ self.value), dw)
+        dF = -np.einsum("ij,jnc->inc", hat(F), dw)
         size = 3 * len(self.shape)
-        return np.einsum("m,inc->minc", self.shape, dF).reshape(1, size, size)
+        K = np.einsum("m,inc->minc", self.shape, dF).reshape(1, size, size)
+        return np.outer(self.shape, F)[None], K
 
     def potential(self, e: Floats) -> None:
         """See `Effect.potential`: a follower force has none."""

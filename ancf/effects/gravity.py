@@ -10,7 +10,8 @@ from ancf.rod_model import RodModel
 from ancf.scene import Scene
 from ancf.section_energy import CURVED_DEGREE, STRAIGHT_DEGREE, generalised_shape, local_gradient
 
-# Shape functions are cubic at most and det J_0 of a curved element adds a few degrees; 5 points reach degree 9.
+# Shape functions are cubic at most and det J_0 of a curved element adds a few degrees; 5 points reach
+# degree 9.
 AXIAL_POINTS = 5
 
 

@@ -54,14 +54,15 @@ class FollowerLineLoad:
         R = section_rotation(self.N @ e[:, None], self.W).R
         return np.einsum("epn,epa->ena", self.shape, R @ self.value)
 
-    def tangent(self, e: Floats) -> Floats:
-        """See `Effect.tangent`: dQ = -int N_0^T hat(f) dw dx."""
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`: dQ = -int N_0^T hat(f) dw dx."""
         rotation = section_rotation(self.N @ e[:, None], self.W)
+        f = rotation.R @ self.value
         dw = np.einsum("epikc,epkn->epinc", rotation.spin(), self.N)
-        df = -np.einsum("epij,epjnc->epinc", hat(rotation.R @ self.value), dw)
+        df = -np.einsum("epij,epjnc->epinc", hat(f), dw)
         K = np.einsum("epm,epinc->eminc", self.shape, df)
         size = K.shape[1] * 3
-        return K.reshape(len(K), size, size)
+        return np.einsum("epn,epa->ena", self.shape, f), K.reshape(len(K), size, size)
 
     def potential(self, e: Floats) -> None:
         """See `Effect.potential`: a follower load has none."""

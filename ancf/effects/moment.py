@@ -12,7 +12,8 @@ Vorticity (paper eq. 23-36): half the skew part of the velocity gradient L = J_d
     Q_a = 1/2 M x g^a,  g^a rows of J^-1, J = [r_x r_y r_z],  dQ_a/dr_b = -1/2 (M x g^b)(g^a)^T.
 
 It works on half the shear as well, so r_x at a loaded end turns by a spurious angle that grows with mesh
-refinement; r, r_y and r_z are clean. A follower moment is M = R M_0, dM = dw x M. No moment in space has a potential.
+refinement; r, r_y and r_z are clean. A follower moment is M = R M_0, dM = dw x M. No moment in space has a
+potential.
 """
 
 from __future__ import annotations
@@ -70,8 +71,8 @@ class SectionMoment(_PointMoment):
         mu = rotation.G_inverse @ self._moment(rotation)
         return (self.point.N.T @ np.cross(mu, rotation.RW))[None]
 
-    def tangent(self, e: Floats) -> Floats:
-        """See `Effect.tangent`; unsymmetric."""
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`; unsymmetric."""
         rotation = self._rotation(e)
         M = self._moment(rotation)
         mu = rotation.G_inverse @ M
@@ -87,7 +88,8 @@ class SectionMoment(_PointMoment):
         # dQ_l = dmu x RW_l + mu x (dw x RW_l)
         hat_RW = hat(rotation.RW)
         dQ = -np.einsum("lij,jkc->likc", hat_RW, dmu) - np.einsum("ij,ljm,mkc->likc", hat(mu), hat_RW, dw)
-        return _to_nodes(self.point.N, self.point.N, dQ)
+        Q = self.point.N.T @ np.cross(mu, rotation.RW)
+        return Q[None], _to_nodes(self.point.N, self.point.N, dQ)
 
 
 class VorticityMoment(_PointMoment):
@@ -101,25 +103,27 @@ class VorticityMoment(_PointMoment):
         """See `Effect.force`."""
         to_gradient = self._gradient()
         g = np.linalg.inv((to_gradient @ e[0]).T)
-        return (to_gradient.T @ (0.5 * np.cross(self._moment(self._rotation(e)), g)))[None]
+        Q = to_gradient.T @ (0.5 * np.cross(self._moment(self._rotation(e)), g))
+        return np.asarray(Q[None], dtype=float)
 
-    def tangent(self, e: Floats) -> Floats:
-        """See `Effect.tangent`; unsymmetric."""
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`; unsymmetric."""
         to_gradient = self._gradient()
         g = np.linalg.inv((to_gradient @ e[0]).T)
         rotation = self._rotation(e)
         M = self._moment(rotation)
-        dQ = -0.5 * np.einsum("bi,ac->aibc", np.cross(M, g), g)
+        M_x_g = np.cross(M, g)
+        dQ = -0.5 * np.einsum("bi,ac->aibc", M_x_g, g)
         K = _to_nodes(to_gradient, to_gradient, dQ)
         if self.follower:
             # dM x g^a with dM = dw x M
             dM = -np.einsum("ij,jkc->ikc", hat(M), rotation.spin())
             K += _to_nodes(to_gradient, self.point.N, -0.5 * np.einsum("aij,jkc->aikc", hat(g), dM))
-        return K
+        return np.asarray((to_gradient.T @ (0.5 * M_x_g))[None], dtype=float), K
 
 
 def _to_nodes(left: Floats, right: Floats, dQ: Floats) -> Floats:
     """Bring dQ (l, 3, k, 3) on vectors left @ e, right @ e to the nodal vectors: (1, nd, nd)."""
     K = np.einsum("lm,likc,kn->minc", left, dQ, right)
     size = 3 * left.shape[1]
-    return K.reshape(1, size, size)
+    return np.asarray(K.reshape(1, size, size), dtype=float)

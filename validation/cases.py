@@ -1,0 +1,181 @@
+"""Validation cases: records, and the loader that reads them from `cases/*.toml` and refuses what is not complete.
+
+One file is one family: a problem, a scene, a reference, limits with reasons; each `[[case]]` changes the
+first rod, the load or the parameters. A case without a reason for a limit, or with an unknown key, is an error.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ancf.errors import InputError, Message
+from validation.criteria import Limit
+
+CASES = Path(__file__).parent / "cases"
+INDEPENDENCE = {
+    "closed form": "a formula, derived again in reference/ without the solver",
+    "rod integration": "the Simo-Reissner rod integrated by collocation in reference/, no code in common",
+    "other code": "numbers published or computed by others",
+    "identity": "a property that holds exactly for every correct program; no reference is needed",
+    "own earlier number": "a count of our own; it shows change, not truth",
+}
+FAMILY_KEYS = ("row", "title", "problem", "loads", "shows", "reference", "scene", "limit", "case", "parameters")
+CASE_KEYS = ("id", "title", "loads", "shows", "set", "required", "rod", "load", "parameters", "limit", "warning", "reference")
+LIMIT_KEYS = ("quantity", "value", "unit", "reason", "kind", "documented", "spread")
+REFERENCE_KEYS = ("name", "independence", "source", "estimated_error", "values", "note")
+SETS = ("quick", "full")
+KINDS = ("reference", "non-regression")
+
+
+class CaseError(InputError):
+    """A case file cannot be used."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where the right answer comes from: name, independence, source, estimated error, printed values."""
+
+    name: str
+    independence: str
+    source: str
+    estimated_error: float = 0.0
+    values: Mapping[str, Any] = field(default_factory=dict)
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case, ready to run; `scene` is a dictionary in the format of a scene file."""
+
+    id: str
+    row: str
+    title: str
+    problem: str
+    loads: str
+    shows: str
+    set: str
+    required: bool
+    scene: dict[str, Any]
+    parameters: dict[str, Any]
+    reference: Reference
+    limits: tuple[Limit, ...]
+    warning: str = ""  # words that the solver's own warnings must contain
+
+    @property
+    def reproduce(self) -> str:
+        """Command that runs this case alone."""
+        return f"ancf validate --case {self.id}"
+
+    @property
+    def rod(self) -> dict[str, Any]:
+        """First rod of the scene."""
+        return self.scene["rod"][0]
+
+
+def load_cases(folder: Path = CASES) -> list[Case]:
+    """Read every family in a folder, in the order of the file names.
+
+    Raises `CaseError` for a folder without cases, a file that is not TOML, unknown or missing keys, a limit
+    without reason, and two cases of one name.
+    """
+    files = sorted(folder.glob("*.toml"))
+    cases = [case for file in files for case in _read_family(file)]
+    if not cases:
+        _refuse("There are no validation cases.", str(folder), f"{len(files)} files", "a folder that is not installed")
+    seen: set[str] = set()
+    for case in cases:
+        if case.id in seen:
+            _refuse(f"Two cases are named {case.id}.", str(folder), case.id, "a copied table")
+        seen.add(case.id)
+    return cases
+
+
+def _read_family(file: Path) -> list[Case]:
+    where = file.name
+    try:
+        family = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise CaseError(
+            Message("The case file cannot be read.", where, str(error), "not valid TOML", "correct that line")
+        ) from error
+    _expect(family, FAMILY_KEYS, where, needed=("row", "title", "problem", "case"))
+    return [_read_case(family, entry, f"{where}, case {i + 1}") for i, entry in enumerate(family["case"])]
+
+
+def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Case:
+    _expect(entry, CASE_KEYS, where, needed=("id",))
+    where = f"{where} ({entry['id']})"
+    merged = {key: entry.get(key, family.get(key, "")) for key in ("title", "loads", "shows")}
+    for key, value in merged.items():
+        if not value:
+            _refuse(f"The case has no {key}.", where, "it is empty or missing", "every card in the report states it")
+    limits = entry.get("limit", family.get("limit", []))
+    if not limits:
+        _refuse("The case has no limit.", where, "no [[limit]]", "a case that cannot fail shows nothing")
+    if entry.get("set", "quick") not in SETS:
+        _refuse("Unknown set.", where, repr(entry["set"]), f"sets are {', '.join(SETS)}")
+    return Case(
+        id=entry["id"],
+        row=family["row"],
+        problem=family["problem"],
+        set=entry.get("set", "quick"),
+        required=bool(entry.get("required", True)),
+        scene=_scene(family, entry),
+        parameters={**family.get("parameters", {}), **entry.get("parameters", {})},
+        reference=_read_reference({**family.get("reference", {}), **entry.get("reference", {})}, where),
+        limits=tuple(_read_limit(limit, where) for limit in limits),
+        warning=entry.get("warning", ""),
+        **merged,
+    )
+
+
+def _scene(family: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
+    """Scene of the case: the family's, with the case's changes to the first rod and its loads."""
+    scene = copy.deepcopy(family.get("scene", {}))
+    if scene:
+        scene["rod"][0].update(copy.deepcopy(entry.get("rod", {})))
+        scene.update(copy.deepcopy(entry.get("load", {})))
+        scene["title"] = entry["id"]
+    return scene
+
+
+def _read_reference(data: dict[str, Any], where: str) -> Reference:
+    _expect(data, REFERENCE_KEYS, f"{where}, reference", needed=("name", "independence", "source"))
+    if data["independence"] not in INDEPENDENCE:
+        _refuse(
+            "Unknown independence of a reference.", where, repr(data["independence"]),
+            f"it is one of: {', '.join(INDEPENDENCE)}",
+        )  # fmt: skip
+    return Reference(**data)
+
+
+def _read_limit(data: dict[str, Any], where: str) -> Limit:
+    where = f"{where}, limit {data.get('quantity', '')!r}"
+    _expect(data, LIMIT_KEYS, where, needed=("quantity", "value", "unit", "reason"))
+    value, kind = data["value"], data.get("kind", "reference")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (math.isfinite(value) and value > 0.0):
+        _refuse("A limit must be a positive number.", where, repr(value), "a limit of zero cannot be met in float64")
+    if not str(data["reason"]).strip():
+        _refuse("A limit has no reason.", where, "reason is empty", "a limit nobody can argue with is arbitrary")
+    if kind not in KINDS:
+        _refuse("Unknown kind of limit.", where, repr(kind), f"it is one of: {', '.join(KINDS)}")
+    return Limit(**data)
+
+
+def _expect(data: Mapping[str, Any], keys: tuple[str, ...], where: str, needed: tuple[str, ...]) -> None:
+    unknown = [key for key in data if key not in keys]
+    if unknown:
+        _refuse(f"Unknown key {unknown[0]!r}.", where, ", ".join(unknown), f"valid keys are {', '.join(keys)}")
+    missing = [key for key in needed if key not in data]
+    if missing:
+        _refuse(f"The key {missing[0]!r} is missing.", where, ", ".join(missing), "the case is not complete")
+
+
+def _refuse(what: str, where: str, value: str, cause: str) -> None:
+    raise CaseError(Message(what, where, value, cause, "correct the file in validation/cases"))

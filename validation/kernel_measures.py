@@ -1,0 +1,283 @@
+"""What the property checks measure on the kernels: strain, energy, force, tangent, loads of one rod.
+
+Each function returns one number that is compared with a bound; 0 is perfect. They use the kernel's public surface and,
+where something has to be known independently, their own arithmetic.
+
+Symbols
+-------
+q      nodal vectors of a rod (n_nodes, vectors, 3); e the same per element (n_el, nodal, 3)
+c      D_11 / E_young = (1 - nu) / ((1 + nu)(1 - 2 nu)), how much stiffer the material is when it cannot contract
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.effects import Effect
+from ancf.quadrature import gauss
+from ancf.rod_model import RodModel, SectionPoint
+from ancf.section_energy import local_gradient, strain_matrix
+
+Floats = NDArray[np.float64]
+
+# Volume integral of the check: one order above the kernel's own rule for curved sections (16), so that both agree to
+# 1e-10 only if both have converged.
+CHECK_DEGREE = 20
+# Differences are taken at these fractions of the state: far above round-off, well inside the domain.
+STEPS = (4e-2, 2e-2, 1e-2)
+
+
+def constrained_factor(model: RodModel) -> float:
+    """Ratio c = D_11 / E_young [-]."""
+    nu = model.rod.material.poisson_ratio
+    return (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+
+
+def per_element(model: RodModel, q: Floats) -> Floats:
+    """Element vectors e (n_el, nodal, 3) of q."""
+    return q[model.mesh.nodes_of].reshape(len(model.mesh.nodes_of), -1, 3)
+
+
+def nodal_force(model: RodModel, q: Floats) -> Floats:
+    """Elastic force (n_nodes, vectors, 3) assembled with the rod's own connectivity."""
+    Q = np.zeros(model.q0.size)
+    np.add.at(Q, model.dofs - model.first_dof, model.elastic.force(per_element(model, q)).reshape(model.dofs.shape))
+    return Q.reshape(model.q0.shape)
+
+
+def nodal_units(model: RodModel, length: float) -> Floats:
+    """Unit of each nodal vector (vectors, 1): length^(1 - order)."""
+    return np.array([[length ** (1 - sum(order))] for order in model.element.vectors])
+
+
+def moved(model: RodModel, rotation: Floats, translation: Floats) -> Floats:
+    """The reference after a rigid motion, q (n_nodes, vectors, 3)."""
+    q = model.q0 @ rotation.T
+    q[:, model.element.vectors.index((0, 0, 0))] += translation
+    return q
+
+
+# --- strain, energy, force ----------------------------------------------------------------------------------------
+
+
+def largest_kernel_strain(model: RodModel, q: Floats) -> float:
+    """Largest Green-Lagrange strain that the kernel sees, over the outline of the sections at its axial points."""
+    outline = model.rod.section.outline(16)
+    gamma = model.elastic.gamma(model.elastic.generalised(per_element(model, q)))
+    largest = 0.0
+    for element, points in enumerate(model.elastic.v0):
+        for point, v0 in enumerate(points):
+            _, weights = local_gradient(model.element, v0, outline[:, 0], outline[:, 1])
+            strain = strain_matrix(weights) @ gamma[element, point]
+            largest = max(largest, float(np.max(np.abs(strain))))
+    return largest
+
+
+def frame_and_gradients(model: RodModel, e: Floats, xi: float, h: float, y: Floats, z: Floats) -> tuple[Floats, Floats]:
+    """Frame (3, 3) of the section and position gradients (n, 3, 3) of one element at xi, without section_energy.py."""
+    element = model.element
+    e = e - np.where(np.arange(len(e)) % len(element.vectors) == 0, 1.0, 0.0)[:, None] * e[0]
+    N, N_x = element.shape(np.array([xi]), h)[0], element.shape(np.array([xi]), h, derivative=1)[0]
+    phi, phi_y, phi_z = element.section_monomials(y, z)
+    J = np.stack([phi @ (N_x @ e), phi_y @ (N @ e), phi_z @ (N @ e)], axis=-1)
+    r_y, r_z = (N[element.directors.index(m)] @ e for m in ((1, 0), (0, 1)))
+    triad = np.column_stack([np.cross(r_y, r_z), r_y, r_z])
+    triad[:, 0] /= np.linalg.norm(triad[:, 0])
+    values, vectors = np.linalg.eigh(triad.T @ triad)  # polar rotation = triad (triad^T triad)^-1/2
+    return triad @ (vectors / np.sqrt(values)) @ vectors.T, J
+
+
+def largest_gradient_strain(model: RodModel, q: Floats) -> float:
+    """Largest (F^T F - I)/2 with F = J J_0^-1 formed from the shape functions alone (paper eq. 11-13)."""
+    outline = model.rod.section.outline(8)
+    largest = 0.0
+    for e, e0, h in zip(per_element(model, q), model.e0, model.mesh.h, strict=True):
+        for xi in (-1.0, -0.3, 0.6, 1.0):
+            _, J = frame_and_gradients(model, e, xi, h, *outline.T)
+            _, J0 = frame_and_gradients(model, e0, xi, h, *outline.T)
+            F = J @ np.linalg.inv(J0)
+            largest = max(largest, float(np.max(np.abs(np.swapaxes(F, -1, -2) @ F - np.eye(3)))) / 2.0)
+    return largest
+
+
+def integrated_energy(model: RodModel, q: Floats) -> float:
+    """Strain energy [J] as the volume integral of 1/2 E_gl : D : E_gl, tensors instead of the Gram form.
+
+    `continuum`: lambda/2 tr(E)^2 + mu E : E in any axes. `enhanced` in the section's own axes:
+    sum over the normal strains of E_young/2 E_aa^2 and of 2 G k E_ab^2 over the section, the Poisson part
+    lambda/2 [(tr E)^2 - (1 - 2 nu) sum E_aa^2] on the axis times the area (theory.md 3).
+    """
+    material, section = model.rod.material, model.rod.section
+    young, nu = material.young_modulus, material.poisson_ratio
+    G, lame = young / (2 * (1 + nu)), young * nu / ((1 + nu) * (1 - 2 * nu))
+    k_y, k_z = model.rod.shear_factors
+    y, z, area = section.quadrature(CHECK_DEGREE if np.any(model.rod.curvature) else 6)
+    y, z, area = np.append(y, 0.0), np.append(z, 0.0), np.append(area, 0.0)  # the axis last, without weight
+    total = 0.0
+    for e, e0, h in zip(per_element(model, q), model.e0, model.mesh.h, strict=True):
+        for xi, weight in zip(*gauss(model.axial_points), strict=True):
+            _, J = frame_and_gradients(model, e, xi, h, y, z)
+            R0, J0 = frame_and_gradients(model, e0, xi, h, y, z)
+            F = J @ np.linalg.inv(J0) @ R0  # strain in section axes: R_0^T E R_0
+            strain = 0.5 * (np.swapaxes(F, -1, -2) @ F - np.eye(3))
+            volume = np.linalg.det(J0)
+            normal = np.diagonal(strain, axis1=-2, axis2=-1)
+            if model.rod.formulation == "continuum":
+                density = 0.5 * lame * normal.sum(axis=-1) ** 2 + G * np.sum(strain**2, axis=(-2, -1))
+                axis = 0.0
+            else:
+                shear = strain[:, 1, 2] ** 2 + k_z * strain[:, 0, 2] ** 2 + k_y * strain[:, 0, 1] ** 2
+                density = 0.5 * young * np.sum(normal**2, axis=-1) + 2.0 * G * shear
+                on_axis = normal[-1]
+                axis = 0.5 * lame * (on_axis.sum() ** 2 - (1 - 2 * nu) * np.sum(on_axis**2))
+            total += 0.5 * h * weight * (np.sum(area * volume * density) + section_area(area) * volume[-1] * axis)
+    return float(total)
+
+
+def section_area(weights: Floats) -> float:
+    """Area [m2] as the sum of quadrature weights."""
+    return float(np.sum(weights))
+
+
+def rigid_force(model: RodModel, q: Floats) -> float:
+    """Largest elastic force in units of c E A, slopes' forces by c E A h: zero for a rigid motion."""
+    h = float(np.min(model.mesh.h))
+    axial = constrained_factor(model) * model.rod.material.young_modulus * model.rod.section.area
+    return float(np.max(np.abs(nodal_force(model, q) * nodal_units(model, h)))) / (axial * h)
+
+
+def force_over_floor(model: RodModel, q: Floats) -> float:
+    """Largest elastic force, dimensionless by E I / L^2, over the float64 floor 10 eps n_el c A L^2 / I of theory.md 5."""
+    rod, L = model.rod, model.rod.length
+    I = model.bending_stiffness / rod.material.young_modulus  # noqa: E741
+    unit = model.bending_stiffness / L / nodal_units(model, L)
+    floor = 10.0 * np.finfo(float).eps * rod.elements * constrained_factor(model) * rod.section.area * L**2 / I
+    return float(np.max(np.abs(nodal_force(model, q) / unit))) / floor
+
+
+def objectivity(model: RodModel, q: Floats, rotation: Floats) -> float:
+    """Relative change of energy, and of the force after turning back, when a strained state turns as a whole."""
+    e, turned = per_element(model, q), per_element(model, q @ rotation.T)
+    U, U_turned = model.elastic.energy(e), model.elastic.energy(turned)
+    Q, Q_turned = model.elastic.force(e), model.elastic.force(turned)
+    return max(abs(U_turned / U - 1.0), float(np.max(np.abs(Q_turned @ rotation - Q)) / np.max(np.abs(Q))))
+
+
+def patch_force(model: RodModel, F: Floats) -> float:
+    """Error of the nodal forces of a straight rod in the constant-strain state r = F X, relative to the largest.
+
+    P = F S is constant, so integration by parts gives Q of director d_k: A P e_x [N_k] at the two ends for the axis,
+    A P e_y int N_1 dx and A P e_z int N_2 dx for the sections, whatever the element lengths.
+    """
+    rod, element = model.rod, model.element
+    A_o = rod.base.rotation
+    strain = 0.5 * (F.T @ F - np.eye(3))
+    local = A_o.T @ strain @ A_o
+    material = rod.material
+    stress = 2.0 * material.lame_mu * local + material.lame_lambda * np.trace(local) * np.eye(3)
+    P = F @ A_o @ stress * rod.section.area  # columns: force on the faces normal to x, y, z of the section
+    expected = np.zeros((len(model.e0), element.vectors_per_element, 3))
+    for index, h in enumerate(model.mesh.h):
+        ends = element.shape(np.array([-1.0, 1.0]), h)[:, 0]
+        expected[index] += np.outer(ends[1] - ends[0], P[:, 0])
+        xi, weight = gauss(4)
+        N = element.shape(xi, h)
+        for column, monomial in ((1, (1, 0)), (2, (0, 1))):
+            mean = 0.5 * h * weight @ N[:, element.directors.index(monomial)]
+            expected[index] += np.outer(mean, P[:, column])
+    found = model.elastic.force(model.e0 @ F.T)
+    unit = np.tile(nodal_units(model, float(np.min(model.mesh.h))), (len(element.node_xi), 1))
+    return float(np.max(np.abs((found - expected) * unit)) / np.max(np.abs(expected * unit)))
+
+
+# --- derivatives --------------------------------------------------------------------------------------------------
+
+
+def difference_order(f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats) -> tuple[float, float]:
+    """Observed order of central differences of f along de, and their extrapolated error against `derivative`.
+
+    The error of (f(e + t de) - f(e - t de)) / 2 t is t^2 f'''/6 + ..., so halving t divides it by 4 and the order is 2
+    if, and only if, `derivative` is right. Where f is a polynomial of degree 2 the error is zero at once
+    and the order is returned as 2. The second number removes the t^2 and t^4 terms; relative to |derivative|.
+    """
+    D = [(np.asarray(f(e + t * de)) - np.asarray(f(e - t * de))) / (2.0 * t) for t in STEPS]
+    scale = max(float(np.max(np.abs(derivative))), 1e-300)
+    errors = [float(np.max(np.abs(d - derivative))) / scale for d in D]
+    once = [(4.0 * D[i + 1] - D[i]) / 3.0 for i in (0, 1)]
+    extrapolated = (16.0 * once[1] - once[0]) / 15.0
+    floor = float(np.max(np.abs(extrapolated - derivative))) / scale
+    if errors[0] < 1e-9:
+        return 2.0, max(errors[0], floor)
+    return float(np.log(errors[0] / max(errors[1], 1e-300)) / np.log(STEPS[0] / STEPS[1])), floor
+
+
+def elastic_orders(model: RodModel, q: Floats, dq: Floats) -> tuple[float, float]:
+    """Worst |order - 2| and worst extrapolated error of energy -> force and force -> tangent."""
+    elastic, e, de = model.elastic, per_element(model, q), per_element(model, dq)
+    Q, K = elastic.force_and_tangent(e)
+    power = np.array(float(np.sum(Q * de)))
+    along = np.einsum("eij,ej->ei", K, de.reshape(len(de), -1)).reshape(e.shape)
+    found = [
+        difference_order(lambda x: np.array(elastic.energy(x)), e, de, power),
+        difference_order(elastic.force, e, de, along),
+    ]
+    return max(abs(order - 2.0) for order, _ in found), max(error for _, error in found)
+
+
+def load_orders(effect: Effect, e: Floats, de: Floats) -> tuple[float, float]:
+    """|order - 2| and extrapolated error of a load's tangent; |dQ| where the load claims to be constant."""
+    K = effect.tangent(e)
+    if K is None:
+        return 0.0, float(np.max(np.abs(effect.force(e + de) - effect.force(e))))
+    along = np.einsum("eij,ej->ei", K, de.reshape(len(de), -1)).reshape(e.shape)
+    order, error = difference_order(effect.force, e, de, along)
+    return abs(order - 2.0), error
+
+
+def mixed_tangent_difference(model: RodModel, q: Floats) -> float:
+    """Mixed-integration-point tangent with the previous state equal to the present one, against the plain tangent."""
+    e = per_element(model, q)
+    _, plain = model.elastic.force_and_tangent(e)
+    _, mixed = model.elastic.force_and_tangent(e, e)
+    return float(np.max(np.abs(mixed - plain)) / np.max(np.abs(plain)))
+
+
+def mixed_prediction_error(model: RodModel, q: Floats, q_previous: Floats) -> float:
+    """Predicted strain products against gamma(v_o) + gamma'(v_o)(v - v_o), the linear step of the mixed method."""
+    elastic = model.elastic
+    v, v_o = elastic.generalised(per_element(model, q)), elastic.generalised(per_element(model, q_previous))
+    slope = 0.5 * (elastic.gamma(v_o + (v - v_o)) - elastic.gamma(v_o - (v - v_o)))  # exact: gamma is quadratic
+    expected = elastic.gamma(v_o) + slope
+    return float(np.max(np.abs(elastic.predicted_gamma(v, v_o) - expected)) / np.max(np.abs(expected)))
+
+
+# --- zero modes ---------------------------------------------------------------------------------------------------
+
+
+def assembled(model: RodModel, K_e: Floats) -> Floats:
+    """Dense symmetric matrix (n, n) of element tangents, dimensionless by the shortest element, unit diagonal."""
+    n = model.q0.size
+    dofs = model.dofs - model.first_dof
+    K = np.zeros((n, n))
+    np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), K_e)
+    scale = 1.0 / np.sqrt(np.diag(K))
+    return K * scale * scale[:, None]
+
+
+def zero_modes(K: Floats) -> tuple[int, float]:
+    """Number of zero eigenvalues and the gap: the first non-zero one over the largest zero one."""
+    values = np.sort(np.abs(np.linalg.eigvalsh(K)))
+    zero = int(np.count_nonzero(values < 1e-13 * len(values) * values[-1]))
+    return zero, float(values[zero] / max(values[max(zero - 1, 0)], 1e-300)) if zero < len(values) else 0.0
+
+
+# --- loads --------------------------------------------------------------------------------------------------------
+
+
+def moment_resultant(point: SectionPoint, Q: Floats, e: Floats, M: Floats) -> float:
+    """Error of sum_k e_k x Q_k = M over the nodal vectors of the loaded element, and of sum of forces = 0."""
+    moment = np.cross(e, Q).sum(axis=0)
+    return float(np.max(np.abs(moment - M)) / np.linalg.norm(M))
