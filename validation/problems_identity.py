@@ -81,10 +81,12 @@ def patch(case: Case) -> Outcome:
         D = rod.rod.material.hooke()
         for F in gradients.values():
             q = _moved(rod, F, np.zeros(3))
-            E = 0.5 * (F.T @ F - np.eye(3))
+            A_o = rod.rod.base.rotation
+            E = 0.5 * A_o.T @ (F.T @ F - np.eye(3)) @ A_o  # in section axes
             voigt = np.array([E[0, 0], E[1, 1], E[2, 2], 2 * E[1, 2], 2 * E[0, 2], 2 * E[0, 1]])
             s = D @ voigt
-            P = F @ np.array([[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]])
+            S = np.array([[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]])
+            P = F @ A_o @ S @ A_o.T
             energy = 0.5 * volume * float(voigt @ s)
             Q = model.residual(q).Q_int
             nodal = Q.reshape(rod.q0.shape)
