@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -27,7 +28,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on sta
 
 
 def solve(
-    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="One or more scene files.")],
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml", help="One or more scene files.")],
     json: Json = False,
     out: Annotated[
         Path | None,
@@ -62,10 +63,11 @@ def solve(
         with _progress(console, f"solving {path}", quiet=json):
             solution = find_equilibrium(scene)
         solutions.append(solution)
-        results.append(solution.as_dict() if folder is None else write_result(folder, solution))
+        with _writing(folder):
+            results.append(solution.as_dict() if folder is None else write_result(folder, solution))
         _report(console, path, solution, results[-1], brief=json)
     if plot is not None:
-        with _progress(console, f"drawing {plot}", quiet=json):
+        with _progress(console, f"drawing {plot}", quiet=json), _writing(plot):
             pictures.draw(solutions, plot)
     if json:
         print(result_text(results[0] if len(results) == 1 else {"schema": 1, "results": results}))
@@ -146,6 +148,23 @@ def _folders(scenes: list[Path], out: Path | None) -> list[Path | None]:
     return [check_folder(out / path.stem) for path in scenes]
 
 
+@contextmanager
+def _writing(target: Path | None) -> Iterator[None]:
+    """Turn a failure of the file system into a message."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            Message(
+                "The results cannot be written.",
+                str(target),
+                str(error),
+                "a full disk, a missing permission, or a folder in the place of a file",
+                "make room there, or name another destination",
+            )
+        ) from error
+
+
 def _console() -> Console:
     from rich.console import Console
 
@@ -154,8 +173,6 @@ def _console() -> Console:
 
 def _progress(console: Console, text: str, quiet: bool) -> Any:
     """Return a context that shows a spinner on a terminal, and nothing elsewhere."""
-    from contextlib import nullcontext
-
     return nullcontext() if quiet or not console.is_terminal else console.status(text)
 
 

@@ -17,6 +17,8 @@ from ancf.scene import Rod
 
 Floats = NDArray[np.float64]
 
+SAME_PLACE = 1e-9  # fractions of the length closer than this are one anchor
+
 
 @dataclass(frozen=True)
 class Mesh:
@@ -41,7 +43,9 @@ def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats
 
     Raises ValueError when there are more pieces than elements.
     """
-    marks = np.unique(np.round([0.0, *anchors, 1.0], 12))
+    marks = np.sort([0.0, *anchors, 1.0])
+    marks = marks[np.concatenate([[True], np.diff(marks) > SAME_PLACE])]
+    marks[-1] = 1.0
     pieces = np.diff(marks)
     if len(pieces) > elements:
         raise ValueError(f"{len(pieces)} pieces between supports and loads, {elements} elements")

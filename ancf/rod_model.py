@@ -83,13 +83,21 @@ class RodModel:
         return self.q0[self.mesh.nodes_of].reshape(len(self.mesh.nodes_of), -1, 3)
 
     @cached_property
+    def element_kinds(self) -> tuple[Indices, Indices]:
+        """One element of each length, and for every element the kind it belongs to.
+
+        Curvature is constant along a rod, so elements of one length are the same up to a rigid motion.
+        """
+        # Lengths that differ by rounding only are equal: compare 12 digits.
+        relative = np.round(self.mesh.h / self.rod.length, 12)
+        _, first, kind = np.unique(relative, return_index=True, return_inverse=True)
+        return first, kind
+
+    @cached_property
     def elastic(self) -> ElasticRod:
         """Constant data of the elastic kernel; equal elements share one stiffness."""
         xi, weight = gauss(self.axial_points)
-        # Element lengths that differ by rounding only are equal: compare 12 digits.
-        _, first, kind = np.unique(
-            np.round(self.mesh.h / self.rod.length, 12), return_index=True, return_inverse=True
-        )
+        first, kind = self.element_kinds
         straight = not np.any(self.rod.curvature)
         N, H = [], []
         for element_index in first:

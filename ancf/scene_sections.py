@@ -106,16 +106,16 @@ def _polygon(table: Table) -> Polygon:
 
 
 def _crossing_edges(points: Floats) -> tuple[int, int] | None:
-    """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon."""
+    """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon.
+
+    Only edges without a shared corner are compared: where an edge runs back over its neighbour, its other end,
+    and with it the next edge, touches that neighbour as well.
+    """
     n = len(points)
     ends = np.roll(points, -1, axis=0)
     for i in range(n):
         if np.array_equal(points[i], ends[i]):
             return i, (i + 1) % n
-        after = (i + 1) % n
-        fold = (ends[i] - points[i], ends[after] - points[after])
-        if _cross(*fold) == 0.0 and fold[0] @ fold[1] < 0.0:  # an edge that runs back over the one before
-            return i, after
         others = np.arange(i + 2, n - (i == 0))
         if len(others) == 0:
             continue

@@ -222,16 +222,20 @@ def reciprocity(rod: Rod, a: Force, b: Force | Moment, step: float = 1e-4) -> fl
     """
     motions = []
     for load in (a, b):
-        small = replace(load, value=load.value * step)
-        minus = replace(load, value=-small.value)
-        plus_minus = [
-            solved(Scene((rod,), forces=(one,)) if isinstance(one, Force) else Scene((rod,), moments=(one,)))
-            for one in (small, minus)
+        # The other load is listed with zero magnitude: both solutions then have the same mesh.
+        pair = [
+            solved(_loaded(rod, [replace(x, value=x.value * (sign * step if x is load else 0.0)) for x in (a, b)]))
+            for sign in (1.0, -1.0)
         ]
-        motions.append([_conjugate(plus_minus, at) for at in (a, b)])
+        motions.append([_conjugate(pair, at) for at in (a, b)])
     work_ab, work_ba = float(a.value @ motions[1][0]), float(b.value @ motions[0][1])
     own = float(np.sqrt(abs((a.value @ motions[0][0]) * (b.value @ motions[1][1]))))
     return abs(work_ab - work_ba) / own
+
+
+def _loaded(rod: Rod, loads: list[Force | Moment]) -> Scene:
+    moments = tuple(load for load in loads if isinstance(load, Moment))
+    return Scene((rod,), moments=moments, forces=tuple(load for load in loads if isinstance(load, Force)))
 
 
 def _conjugate(plus_minus: list[Solution], load: Force | Moment) -> Floats:

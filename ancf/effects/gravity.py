@@ -28,12 +28,14 @@ def _weight(model: RodModel, acceleration: np.ndarray) -> DeadLoad:
     xi, weight = gauss(AXIAL_POINTS)
     y, z, area = rod.section.quadrature(CURVED_DEGREE if np.any(rod.curvature) else STRAIGHT_DEGREE)
     phi, _, _ = element.section_monomials(y, z)
-    Q = np.zeros((len(model.e0), element.vectors_per_element, 3))
-    for index, h in enumerate(model.mesh.h):
+    first, kind = model.element_kinds
+    mass = np.zeros((len(first), element.vectors_per_element))
+    for row, index in enumerate(first):
+        h = float(model.mesh.h[index])
         N = element.shape(xi, h)
         v0 = generalised_shape(element, xi, h) @ model.e0[index]
         for point in range(AXIAL_POINTS):
             J_l, _ = local_gradient(element, v0[point], y, z)
-            mass = rod.material.density * 0.5 * h * weight[point] * (area * np.linalg.det(J_l)) @ phi
-            Q[index] += np.outer(mass @ N[point], acceleration)
-    return DeadLoad("gravity", model.dofs, Q)
+            per_length = rod.material.density * (area * np.linalg.det(J_l)) @ phi
+            mass[row] += 0.5 * h * weight[point] * per_length @ N[point]
+    return DeadLoad("gravity", model.dofs, np.einsum("en,a->ena", mass[kind], acceleration))

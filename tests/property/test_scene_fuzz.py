@@ -1,4 +1,4 @@
-"""Whatever a scene file says, reading it gives a valid scene or a SceneError; valid scenes are always read."""
+"""Whatever a scene file says, reading it gives a valid scene or a SceneError; valid ones are always read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ancf.errors import SceneError
 from ancf.scene import Scene
 from ancf.scene_file import scene_from_dict
 
-QUIET = settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+QUIET = settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 sizes = st.floats(1e-3, 0.05)
 loads = st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3)
 fractions = st.floats(0.0, 1.0)
@@ -64,7 +64,9 @@ rods = st.fixed_dictionaries(
             optional={"x_axis": st.tuples(st.floats(1, 2), st.floats(-1, 0), st.just(0.0))},
         ),
         "supports": st.lists(
-            st.fixed_dictionaries({"at": fractions, "kind": st.sampled_from(["clamp", "free_section_clamp"])}),
+            st.fixed_dictionaries(
+                {"at": fractions, "kind": st.sampled_from(["clamp", "free_section_clamp"])}
+            ),
             min_size=1,
             max_size=3,
             unique_by=lambda support: round(support["at"], 3),
@@ -194,7 +196,6 @@ def read(data: Any) -> Scene | None:
 @QUIET
 @given(scenes)
 def test_valid_scenes_are_read(data: dict[str, Any]):
-    # Short rods with many supports may need more elements than drawn: that refusal is tested elsewhere.
     result = scene_from_dict(data)
     assert len(result.rods) == len(data["rod"])
     for rod in result.rods:
@@ -202,7 +203,7 @@ def test_valid_scenes_are_read(data: dict[str, Any]):
         assert np.linalg.det(rod.base.rotation) > 0.0
 
 
-@settings(parent=QUIET, max_examples=400)
+@settings(parent=QUIET, max_examples=250)
 @given(mutated())
 @example({**COMPLETE, "rod": [{**COMPLETE["rod"][0], "curvature": [1e308, 1e308, 1e308]}]})
 @example({**COMPLETE, "rod": [{**COMPLETE["rod"][0], "length": 1e20}]})

@@ -302,4 +302,5 @@ def test_section_constructors():
         (4 * moment, 5 * moment, 5 * moment)
     )
     flat = RodProperties.from_section(1.0, 5.0, 0.25, 1.0, 2.0, 3.0, J_t=4.0, shear_factors=(0.5, 0.25))
+    assert RodProperties.from_section(1.0, 5.0, 0.25, 1.0, 2.0, 3.0).GJ == 10.0  # G (I_y + I_z)
     assert (flat.GA_y, flat.GA_z, flat.GJ, flat.EI_y, flat.EI_z) == (1.0, 0.5, 8.0, 10.0, 15.0)

@@ -261,7 +261,7 @@ def test_section_rotation_is_that_of_a_rigid_section():
         np.testing.assert_allclose(section_rotation(X @ rotation(seed).T + 1, W), rotation(seed), atol=1e-12)
 
 
-# --- patch test ----------------------------------------------------------------------------------------------
+# --- patch test ---------------------------------------------------------------------------------------------
 
 
 def test_patch_of_homogeneous_stretch_is_exact():

@@ -1,5 +1,7 @@
 """Scene files: what is read, and what is refused with file, key path, value and advice."""
 
+# ruff: noqa: E501 - the table of refusals reads best with one case a line
+
 from __future__ import annotations
 
 import copy
@@ -89,7 +91,12 @@ def test_full_scene_is_read():
         }
     )
     first, second = result.rods
-    assert (first.name, first.element, first.formulation, first.axial_rule) == ("arm", "3243", "continuum", "full")
+    assert (first.name, first.element, first.formulation, first.axial_rule) == (
+        "arm",
+        "3243",
+        "continuum",
+        "full",
+    )
     assert (second.name, second.axial_rule, second.shear_factors) == ("rod2", 4, (0.9, 0.8))
     assert [(s.at, s.kind) for s in first.supports] == [(0.0, "free_section_clamp"), (1.0, "pin")]
     assert [(s.at, s.kind) for s in second.supports] == [(0.0, "clamp")]
@@ -97,7 +104,11 @@ def test_full_scene_is_read():
     np.testing.assert_array_equal(first.base.rotation, [[0, 0, -1], [0, 1, 0], [1, 0, 0]])
     np.testing.assert_array_equal(first.base.position, [1, 2, 3])
     assert result.moments[0].rod == "arm"
-    assert (result.forces[0].rod, result.forces[0].at, result.forces[0].direction) == ("rod2", 1.0, "follower")
+    assert (result.forces[0].rod, result.forces[0].at, result.forces[0].direction) == (
+        "rod2",
+        1.0,
+        "follower",
+    )
     assert result.line_loads[0].rod == "arm"
     assert result.gravity is not None and result.gravity.acceleration[2] == -9.81
     options = result.solver
@@ -383,4 +394,6 @@ def test_examples_are_valid(path: Path):
 
 
 def test_there_are_examples():
-    assert {"fig2-force-x", "fig2-force-z", "fig2-moment-y", "fig2-moment-z"} < {path.stem for path in EXAMPLES}
+    assert {"fig2-force-x", "fig2-force-z", "fig2-moment-y", "fig2-moment-z"} < {
+        path.stem for path in EXAMPLES
+    }
