@@ -49,7 +49,9 @@ class Residual:
     Q_ext: Floats
 
     def at(self, load_factor: float) -> Floats:
-        """g = Q_int - load_factor Q_ext."""
+        """g = Q_int - load_factor Q_ext; at 0 the load does not count, even where it overflows."""
+        if load_factor == 0.0:
+            return self.Q_int
         return self.Q_int - load_factor * self.Q_ext
 
 
@@ -99,6 +101,7 @@ class Model:
 
     # --- forces -----------------------------------------------------------------------------------------
 
+    @np.errstate(over="ignore", invalid="ignore")  # a load may overflow; the solver reports it as not_finite
     def residual(self, q: Floats) -> Residual:
         """Generalised forces at q (n,)."""
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)

@@ -31,6 +31,8 @@ Floats = NDArray[np.float64]
 # Largest change of a local measure [rad] in the difference quotient that turns dq into rates of local
 # measures.
 _RATE_ANGLE = 1e-5
+# Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
+LARGEST_TURN = 1e3
 # Midpoint steps between nodes; two keep the start within 1e-3 for a turn on 12 elements.
 _SUBSTEPS = 2
 
@@ -49,6 +51,9 @@ def moment_start(model: Model, load_factor: float) -> Floats | None:
         held = len(supports) == 1 and supports[0].kind != "pin" and supports[0].at == 0.0
         fixed = all(m.direction == "fixed" for m in moments)
         if not (moments and held and (fixed or len(moments) == 1)):
+            continue
+        turns = sum(np.abs(m.value).max() for m in moments) * rod.rod.length / rod.bending_stiffness
+        if not turns < LARGEST_TURN:  # also false for an overflow
             continue
         shape = _bent_by_moments(rod, moments, load_factor, follower=not fixed)
         q[rod.first_dof : rod.first_dof + rod.size] = shape.ravel()

@@ -108,7 +108,7 @@ def _polygon(table: Table) -> Polygon:
 def _crossing_edges(points: Floats) -> tuple[int, int] | None:
     """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon.
 
-    Only edges without a shared corner are compared: where an edge runs back over its neighbour, its other end,
+    Only edges without a shared corner are compared: where an edge runs back over its neighbour, its end,
     and with it the next edge, touches that neighbour as well.
     """
     n = len(points)

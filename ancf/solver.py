@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ancf.scene import Scene
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # non-finite numbers are caught and reported
 def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     """Find the static equilibrium of a scene.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,9 +22,9 @@ SCHEMA = 1
 def save_state(path: str | os.PathLike[str], solution: Solution) -> None:
     """Write q, load factor and the layout that it belongs to."""
     target = Path(path)
-    handle, temporary = tempfile.mkstemp(dir=target.parent or None, suffix=".npz.tmp")
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("wb") as file:
             np.savez(
                 file,
                 schema=SCHEMA,
@@ -36,7 +35,7 @@ def save_state(path: str | os.PathLike[str], solution: Solution) -> None:
             )
         os.replace(temporary, target)
     except BaseException:
-        os.unlink(temporary)
+        temporary.unlink(missing_ok=True)
         raise
 
 

@@ -60,7 +60,6 @@ class Trace:
         return len(self.history)
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # non-finite numbers are caught and reported
 def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     """Equilibrium at the full load, or the last one on the way to it.
 

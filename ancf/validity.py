@@ -39,6 +39,11 @@ def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
             f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
             f'times its value at nu = {nu:g} (Poisson locking, at every mesh); use "enhanced"'
         )
+    if rod.axial_points < rod.element.axial_points:
+        found.append(
+            f"axial_rule {rod.axial_points} is below the {rod.element.axial_points} points that element "
+            f"{rod.element.name} needs: zero-energy modes may spoil the answer"
+        )
     strain = largest_strain(solution, rod)
     if strain > STRAIN_LIMIT:
         found.append(

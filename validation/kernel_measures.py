@@ -281,3 +281,36 @@ def moment_resultant(point: SectionPoint, Q: Floats, e: Floats, M: Floats) -> fl
     """Error of sum_k e_k x Q_k = M over the nodal vectors of the loaded element, and of sum of forces = 0."""
     moment = np.cross(e, Q).sum(axis=0)
     return float(np.max(np.abs(moment - M)) / np.linalg.norm(M))
+
+
+def moment_power(point: SectionPoint, Q: Floats, e: Floats, de: Floats, M: Floats, definition: str) -> float:
+    """Error of the power Q . de = M . w, relative to |M| |w|, with the spin w found without ancf.rotation.
+
+    section: the polar rotation R of A = sum_k d_k W_k^T at e + t de and e - t de, w from their difference (order t^2,
+    extrapolated); vorticity: w = 1/2 curl of the velocity field, from the skew part of J_dot J^-1.
+    """
+    if definition == "section":
+        spins = []
+        for t in (1e-3, 5e-4):
+            turn = _polar(point, e + t * de) @ _polar(point, e - t * de).T
+            spins.append(_axial(turn - turn.T) / (4.0 * t))
+        w = (4.0 * spins[1] - spins[0]) / 3.0
+    else:
+        J, J_dot = ((np.stack([point.N_x[0], point.N[1], point.N[2]]) @ x).T for x in (e, de))
+        L = J_dot @ np.linalg.inv(J)
+        w = 0.5 * _axial(L - L.T)
+    return float(abs(np.sum(Q * de) - M @ w) / (np.linalg.norm(M) * np.linalg.norm(w)))
+
+
+def _polar(point: SectionPoint, e: Floats) -> Floats:
+    """Rotation nearest to A: R = A (A^T A)^-1/2 on the plane of the section, completed by the normals."""
+    A = (point.N @ e).T @ point.W
+    left, _, right = np.linalg.svd(A)
+    normal = np.cross(left[:, 0], left[:, 1])
+    reference = np.cross(right[0], right[1])
+    return left[:, :2] @ right[:2] + np.outer(normal, reference)
+
+
+def _axial(skew: Floats) -> Floats:
+    """(A_32, A_13, A_21): for A = R - R^T twice the axial vector of the skew part."""
+    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])

@@ -6,14 +6,13 @@ model error, which no mesh removes; the solid ends on its own discretisation.
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass
 
+import ancf
 import numpy as np
 
 from validation.criteria import Limit
-from validation.scenes import solve
 
 LENGTH, RADIUS, YOUNG, POISSON = 0.4, 0.01, 1.0e6, 0.3
 MOMENT = YOUNG * np.pi * RADIUS**4 / 4.0 * (np.pi / 2) / LENGTH
@@ -53,11 +52,11 @@ def beam_points(repeats: int = 5, full: bool = False) -> list[WorkPoint]:
                 "section": {"shape": "circle", "radius": RADIUS},
                 "material": {"young_modulus": YOUNG, "poisson_ratio": POISSON},
             }  # fmt: skip
-            scene = {"rod": [rod], "moment": [{"value": [0.0, 0.0, MOMENT]}]}
-            seconds, solution = [], solve(scene)  # the first solve is the warm-up
+            scene = ancf.scene_from_dict({"rod": [rod], "moment": [{"value": [0.0, 0.0, MOMENT]}]})
+            seconds, solution = [], ancf.solve(scene)  # the first solve is the warm-up
             for _ in range(repeats):
                 started = time.perf_counter()
-                solution = solve(scene)
+                solution = ancf.solve(scene)
                 seconds.append(time.perf_counter() - started)
             error = float(np.linalg.norm(solution.tip().position - FINE_SOLID_TIP)) / LENGTH
             points.append(
@@ -92,9 +91,3 @@ def solid_points(repeats: int = 2, full: bool = False) -> list[WorkPoint]:
     return points
 
 
-def thread_count() -> str:
-    """How many threads the linear algebra may use, as the environment says."""
-    names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-    found = [f"{name}={os.environ[name]}" for name in names if name in os.environ]
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return ", ".join(found) if found else f"not pinned: up to {cores} threads"

@@ -1,0 +1,176 @@
+"""`ancf validate` and `ancf report`. Light at import: everything heavy is loaded when a command runs."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from validation.runner import Run
+
+FAILED = 5  # exit code: a required check failed or was inconclusive
+WRONG_INPUT = 2
+
+Quick = Annotated[bool, typer.Option("--quick", help="The quick set (default), about a minute.")]
+Full = Annotated[bool, typer.Option("--full", help="All cases, finer meshes, more random examples.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Recompute everything. There is no cache yet: always the case.")]
+Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for report.json and report.html.")]
+Only = Annotated[
+    list[str] | None, typer.Option("--case", metavar="ID", help="Run this case only; may be repeated. Not a whole run.")
+]
+
+
+def validate(
+    quick: Quick = False, full: Full = False, fresh: Fresh = False, out: Out = Path("report"), case: Only = None
+) -> None:
+    """Hold the solver against exact answers; writes report.json."""
+    record = _run(quick, full, out, tuple(case or ()))
+    from validation.record import write_json
+
+    written = write_json(record, out)
+    _finish(record, [written])
+
+
+def report(quick: Quick = False, full: Full = False, fresh: Fresh = False, out: Out = Path("report")) -> None:
+    """Validate, then write one self-contained offline report.html beside report.json."""
+    record = _run(quick, full, out, ())
+    from validation.record import write_json
+    from validation.report.page import write_page
+
+    written = write_json(record, out)
+    started = time.perf_counter()
+    page = write_page(record, out)
+    sys.stderr.write(f"figures and page: {time.perf_counter() - started:.1f} s\n")
+    _finish(record, [written, page])
+
+
+def _run(quick: bool, full: bool, out: Path, wanted: tuple[str, ...]) -> Run:
+    """Check the input, then run; exits with code 2 and the five parts when the input is wrong."""
+    _pin_threads()
+    from ancf.errors import InputError
+
+    try:
+        _check(quick, full, out)
+        if wanted:
+            _check_names(wanted)
+        from validation.cases import load_cases
+
+        load_cases()
+        out.mkdir(parents=True, exist_ok=True)
+    except InputError as error:
+        sys.stderr.write(f"{error}\n")
+        raise typer.Exit(WRONG_INPUT) from None
+    from validation.runner import run
+
+    with _Progress() as progress:
+        return run("full" if full else "quick", progress, wanted)
+
+
+def _check(quick: bool, full: bool, out: Path) -> None:
+    from ancf.errors import InputError, Message
+
+    if quick and full:
+        raise InputError(
+            Message(
+                "--quick and --full exclude each other.", "command line", "both were given",
+                "a copied command", "keep one of them",
+            )
+        )  # fmt: skip
+    blocked = next((p for p in (out, *out.parents) if p.exists() and not p.is_dir()), None)
+    if blocked is not None:
+        raise InputError(
+            Message(
+                "The output folder is a file.", f"--out {out}", f"{blocked} exists and is no folder",
+                "a file of that name was made before", "name another folder, or move the file away",
+            )
+        )  # fmt: skip
+    existing = next(p for p in (out, *out.absolute().parents) if p.exists())
+    if not os.access(existing, os.W_OK):
+        raise InputError(
+            Message(
+                "The output folder cannot be written.", f"--out {out}", f"no permission in {existing}",
+                "it belongs to somebody else", "name another folder",
+            )
+        )  # fmt: skip
+
+
+def _check_names(wanted: tuple[str, ...]) -> None:
+    import difflib
+
+    from ancf.errors import InputError, Message
+
+    from validation.cases import load_cases
+
+    known = [case.id for case in load_cases()]
+    for name in wanted:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1, 0.0)[0]
+            raise InputError(
+                Message(
+                    f"There is no case {name!r}.", "--case", f"{len(known)} cases are known", "a misspelt name",
+                    f"the nearest is {near!r}; report.json lists them all",
+                )
+            )  # fmt: skip
+
+
+def _pin_threads() -> None:
+    """One thread for the linear algebra, unless the user chose or numpy is loaded already: timings then mean something."""
+    if "numpy" not in sys.modules:
+        for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+            os.environ.setdefault(name, "1")
+
+
+class _Progress:
+    """A progress bar on standard error when that is a terminal; silent otherwise."""
+
+    def __enter__(self) -> _Progress:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        console = Console(stderr=True)
+        self.bar = Progress(console=console, transient=True, disable=not console.is_terminal)
+        self.tasks = {}
+        self.bar.start()
+        return self
+
+    def __call__(self, part: str, done: int, count: int) -> None:
+        if part not in self.tasks:
+            self.tasks[part] = self.bar.add_task(part, total=count)
+        self.bar.update(self.tasks[part], completed=done, total=count)
+
+    def __exit__(self, *_: object) -> None:
+        self.bar.stop()
+
+
+def _finish(record: Run, written: list[Path]) -> None:
+    """Print the outcome on standard error; exit code 5 when a required check failed or was inconclusive."""
+    from rich.console import Console
+
+    from validation.criteria import Verdict
+
+    console = Console(stderr=True, highlight=False)
+    verdict, reasons = record.verdict
+    counts = [r.verdict for r in record.cases]
+    tally = ", ".join(f"{counts.count(v)} {v}" for v in Verdict if v in counts)
+    if record.selection:
+        for result in record.cases:
+            for finding in result.findings:
+                observed = "not finite" if finding.observed is None else f"{finding.observed:.4g}"
+                console.print(
+                    f"{result.case.id}: {finding.quantity}: {observed} {finding.limit.unit}, "
+                    f"limit {finding.limit.value:g}: {finding.verdict}"
+                )
+    console.print(f"[bold]{verdict}[/bold] ({record.scope}, {len(record.cases)} cases: {tally}; {record.seconds['total']:.0f} s)")
+    for reason in reasons:
+        console.print(f"  {reason}")
+    for name in record.blocking:
+        console.print(f"  failed: {name}")
+    for path in written:
+        console.print(f"  written: {path}", soft_wrap=True)
+    if verdict is not Verdict.PASS:
+        raise typer.Exit(FAILED)
