@@ -56,7 +56,7 @@ class ElasticRod:
 
     @cached_property
     def _products0(self) -> Floats:
-        return self._products(self.v0, self.v0)
+        return self._packed(_gram(self.v0, self.v0))
 
     def generalised(self, e: Floats) -> Floats:
         """Generalised vectors v (n_el, points, generalised vectors, 3) of e (n_el, nodal, 3)."""
@@ -64,22 +64,19 @@ class ElasticRod:
         relative[:, self.position_columns] -= e[:, self.position_columns[:1]]
         return self.N @ relative[:, None]
 
-    def _products(self, v: Floats, w: Floats) -> Floats:
+    def _packed(self, gram: Floats) -> Floats:
         i, j = self._pairs
-        return np.einsum("epia,epia->epi", v[:, :, i], w[:, :, j])
+        return gram[:, :, i, j]
 
     def gamma(self, v: Floats) -> Floats:
         """Strain products (n_el, points, pairs), exactly zero at the reference."""
-        return self._products(v, v) - self._products0
+        return self._packed(_gram(v, v)) - self._products0
 
     def predicted_gamma(self, v: Floats, v_previous: Floats) -> Floats:
         """Strain products that the linear step from v_previous to v predicted (mixed integration point)."""
-        return (
-            self._products(v_previous, v)
-            + self._products(v, v_previous)
-            - self._products(v_previous, v_previous)
-            - self._products0
-        )
+        mixed = _gram(v_previous, v)
+        gram = mixed + np.swapaxes(mixed, -1, -2) - _gram(v_previous, v_previous)
+        return self._packed(gram) - self._products0
 
     def energy(self, e: Floats) -> float:
         """Strain energy [J]."""
@@ -145,3 +142,8 @@ class ElasticRod:
 
     def _N_full(self, n_el: int) -> Floats:
         return np.broadcast_to(self.N, (n_el, *self.N.shape[1:]))
+
+
+def _gram(v: Floats, w: Floats) -> Floats:
+    """Products v_i . w_j (n_el, points, vectors, vectors)."""
+    return v @ np.swapaxes(w, -1, -2)

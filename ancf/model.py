@@ -14,10 +14,10 @@ import time
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ancf.band import BandLU, BandPattern, factorise
 from ancf.effects import Effect
@@ -25,6 +25,9 @@ from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Scene
 from ancf.supports import NodeSupport
+
+if TYPE_CHECKING:
+    from scipy import sparse
 
 Floats = NDArray[np.float64]
 
@@ -236,6 +239,8 @@ class Model:
 
     def supported_tangent(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """Tangent B_2^T K B_2 on the free unknowns [SI], for inspection (paper eq. 10, 38)."""
+        from scipy import sparse  # a quarter of a second, for inspection only
+
         _, flat = self.residual_and_tangent(q, load_factor)
         b, n = self.pattern.b, self.n
         bands = flat.reshape(3 * b + 1, n)[b:]
@@ -246,12 +251,16 @@ class Model:
 
     def connectivity_matrix(self, rod: int, element: int) -> sparse.csr_array:
         """B_1 (unknowns of the element, n) of paper eq. 10: e = B_1 q."""
+        from scipy import sparse
+
         dofs = self.rods[rod].dofs[element]
         shape = (len(dofs), self.n)
         return sparse.csr_array((np.ones(len(dofs)), (np.arange(len(dofs)), dofs)), shape=shape)
 
     def boundary_matrix(self) -> sparse.csr_array:
         """B_2 (n, free unknowns) of paper eq. 10: dq = B_2 dp, orthonormal columns."""
+        from scipy import sparse
+
         held = np.zeros(self.n, dtype=bool)
         pieces, order = [], []
         for s in self.supports:

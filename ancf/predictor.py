@@ -6,9 +6,9 @@ M(x) known,
 
     R' = R hat(k_0 + C^-1 R^T M),   r' = R e_x,
 
-with R the section frame is an initial value problem, integrated here by the exponential midpoint rule. It is only a start value; the
-residual decides. Follower moments are integrated from their end, where they are known in the section's own
-axes.
+with R the section frame is an initial value problem, integrated here by the exponential midpoint rule. It is
+only a start value; the residual decides. Follower moments are integrated from their end, where they are known
+in the section's own axes.
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ Floats = NDArray[np.float64]
 _RATE_ANGLE = 1e-5
 # Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
 LARGEST_TURN = 1e3
-# Midpoint steps between nodes; two keep the start within 1e-3 for a turn on 12 elements.
-_SUBSTEPS = 2
 
 
 def moment_start(model: Model, load_factor: float) -> Floats | None:
@@ -64,21 +62,19 @@ def moment_start(model: Model, load_factor: float) -> Floats | None:
 def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, follower: bool) -> Floats:
     """Nodal vectors (n_nodes, vectors, 3) of a rod bent by its moments."""
     x = rod.mesh.node_x
-    inner = x[:-1, None] + np.diff(x)[:, None] * (np.arange(_SUBSTEPS) / _SUBSTEPS)
-    fine = np.concatenate([inner.ravel(), x[-1:]])
     A_o = rod.rod.base.rotation
     compliance = _compliance(rod)
     total = np.array([load_factor * m.value for m in moments])
     ends = np.array([m.at * rod.rod.length for m in moments])
-    rotations = np.empty((len(fine), 3, 3))  # section frames in SCS
+    rotations = np.empty((len(x), 3, 3))  # section frames in SCS
     rotations[0] = A_o
-    ramp = np.diff(fine)
+    ramp = np.diff(x)
     curvature = np.asarray(rod.rod.curvature)
     if follower:
         # Known in the axes of the loaded section: integrate back from there, then turn the whole rod to
         # its base.
         _, frame = reference_axis(np.array([ends[0]]), rod.rod.curvature)
-        last = int(np.searchsorted(fine, ends[0] - 1e-12 * rod.rod.length))
+        last = int(np.searchsorted(x, ends[0] - 1e-12 * rod.rod.length))
         value = total[0]
         rotations[last] = A_o @ frame[0]
         for i in range(last - 1, -1, -1):
@@ -91,7 +87,7 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
         for i in range(last, len(ramp)):
             rotations[i + 1] = rotations[i] @ _turn(ramp[i] * curvature)
     else:
-        middle_x = 0.5 * (fine[:-1] + fine[1:])
+        middle_x = 0.5 * (x[:-1] + x[1:])
         beyond = (ends >= middle_x[:, None]).astype(float) @ total  # moment carried by each interval
         for i, length in enumerate(ramp):
             value = beyond[i]
@@ -104,9 +100,9 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     chord = ramp * np.sinc(half_angle / np.pi)
     r = np.concatenate([np.zeros((1, 3)), np.cumsum(chord[:, None] * middle[:, :, 0], axis=0)])
     _, frame0 = reference_axis(x, rod.rod.curvature)
-    relative = rotations[::_SUBSTEPS] @ np.swapaxes(A_o @ frame0, -1, -2)
+    relative = rotations @ np.swapaxes(A_o @ frame0, -1, -2)
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
-    q[:, rod.element.vectors.index(R)] = r[::_SUBSTEPS]
+    q[:, rod.element.vectors.index(R)] = r
     return q
 
 

@@ -20,7 +20,12 @@ from ancf.errors import Message, SceneError
 from ancf.mesh import Mesh, element_breaks, make_mesh, reference_axis, reference_nodes
 from ancf.quadrature import gauss
 from ancf.scene import Rod, Scene
-from ancf.section_energy import director_weights, generalised_shape, section_stiffness
+from ancf.section_energy import (
+    director_weights,
+    generalised_shape,
+    section_stiffness,
+    straight_section_stiffness,
+)
 from ancf.supports import NodeSupport, support_rows
 
 Floats = NDArray[np.float64]
@@ -98,21 +103,13 @@ class RodModel:
         """Constant data of the elastic kernel; equal elements share one stiffness."""
         xi, weight = gauss(self.axial_points)
         first, kind = self.element_kinds
-        straight = not np.any(self.rod.curvature)
         N, H = [], []
         for element_index in first:
             h = float(self.mesh.h[element_index])
             shape = generalised_shape(self.element, xi, h)
             v0 = shape @ _relative(self.element, self.e0[element_index])
             N.append(shape)
-            # A straight rod has the same section at every point.
-            per_length = [
-                section_stiffness(
-                    self.element, self.rod.section, self.rod.material, self.rod.formulation,
-                    self.rod.shear_factors, v, straight,
-                )
-                for v in (v0[:1] if straight else v0)
-            ]  # fmt: skip
+            per_length = [self._stiffness(v) for v in v0]
             H.append((0.5 * h * weight)[:, None, None] * per_length)
         one_kind = len(first) == 1
         N_all, H_all = np.array(N), np.array(H)
@@ -124,6 +121,14 @@ class RodModel:
         )
         return ElasticRod(
             N_all if one_kind else N_all[kind], H_all if one_kind else H_all[kind], self.e0, columns
+        )
+
+    def _stiffness(self, v0: Floats) -> Floats:
+        rod = self.rod
+        if np.any(rod.curvature):
+            return section_stiffness(self.element, rod, v0)
+        return straight_section_stiffness(
+            self.element, rod.section, rod.material, rod.formulation, rod.shear_factors
         )
 
     def section_point(self, at: float) -> SectionPoint:

@@ -2,7 +2,9 @@ r"""A rod's configuration as local measures between nodes, and back, for mild ex
 
 Between neighbouring nodes i and i+1 with section rotations R_i (relative to the reference):
 
-    theta_i = Log(R_i^T R_{i+1}),   c_i = (R_i Exp(theta_i / 2))^T (r_{i+1} - r_i),   u_i = R_i^T d_i (d: nodal vectors).
+    theta_i = Log(R_i^T R_{i+1}),   c_i = (R_i Exp(theta_i / 2))^T (r_{i+1} - r_i),   u_i = R_i^T d_i,
+
+d_i the nodal vectors.
 
 Absolute positions and slopes change like cos and sin of the load; these measures change nearly linearly,
 because bending moment and curvature are proportional. Extrapolating them and rebuilding the shape from a

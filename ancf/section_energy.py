@@ -21,12 +21,15 @@ B    (6, pairs) strain-displacement matrix in section axes, Voigt order of mater
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import Element
 from ancf.errors import Message, SceneError
 from ancf.materials import VOIGT, SaintVenantKirchhoff
+from ancf.scene import Rod
 from ancf.sections import Section
 
 Floats = NDArray[np.float64]
@@ -111,25 +114,49 @@ def strain_matrix(weights_local: Floats) -> Floats:
     return B
 
 
-def section_stiffness(
+def section_stiffness(element: Element, rod: Rod, v0: Floats) -> Floats:
+    """Matrix H (pairs, pairs) [N m^(...)] of one axial point of a rod, without the axial weight.
+
+    Formulation ``continuum`` integrates the full Hooke matrix over the section (paper eq. 16-17);
+    ``enhanced`` takes D0 over the section and the Poisson part Dv on the axis times the area (materials.py).
+
+    Parameters
+    ----------
+    v0 : reference generalised vectors (generalised vectors, 3) at the point
+    """
+    degree = CURVED_DEGREE if np.any(rod.curvature) else STRAIGHT_DEGREE
+    return _stiffness(element, rod.section, rod.material, rod.formulation, rod.shear_factors, v0, degree)
+
+
+@lru_cache(maxsize=256)
+def straight_section_stiffness(
+    element: Element,
+    section: Section,
+    material: SaintVenantKirchhoff,
+    formulation: str,
+    shear_factors: tuple[float, float],
+) -> Floats:
+    """`section_stiffness` of a straight rod: the same at every point and in every scene with these data."""
+    count = len(element.directors)
+    v0 = np.zeros((2 * count - 1, 3))
+    v0[0] = (1.0, 0.0, 0.0)
+    for axis, monomial in ((1, (1, 0)), (2, (0, 1))):
+        v0[count + element.directors.index(monomial) - 1, axis] = 1.0
+    H = _stiffness(element, section, material, formulation, shear_factors, v0, STRAIGHT_DEGREE)
+    H.setflags(write=False)
+    return H
+
+
+def _stiffness(
     element: Element,
     section: Section,
     material: SaintVenantKirchhoff,
     formulation: str,
     shear_factors: tuple[float, float],
     v0: Floats,
-    straight: bool,
+    degree: int,
 ) -> Floats:
-    """Matrix H (pairs, pairs) [N m^(...)] of one axial point, without the axial weight.
-
-    Parameters
-    ----------
-    formulation : ``continuum`` integrates the full Hooke matrix over the section (paper eq. 16-17);
-        ``enhanced`` takes D0 over the section and the Poisson part Dv on the axis times the area
-    v0 : reference generalised vectors (generalised vectors, 3)
-    straight : whether J_0 is constant over the section
-    """
-    y, z, weight = section.quadrature(STRAIGHT_DEGREE if straight else CURVED_DEGREE)
+    y, z, weight = section.quadrature(degree)
     if formulation == "continuum":
         return _integrate(element, v0, y, z, weight, material.hooke())
     volume, axis = material.enhanced(shear_factors)

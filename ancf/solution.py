@@ -82,7 +82,13 @@ class Solution:
     seconds: dict[str, float]
     effects: dict[str, dict[str, float]]
     reductions: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """Known limits of element, formulation and law that this solution meets, one sentence each."""
+        from ancf.validity import validity_warnings
+
+        return validity_warnings(self)
 
     @property
     def iterations(self) -> int:

@@ -12,7 +12,6 @@ from ancf.model import Model
 from ancf.newton import Outcome
 from ancf.solution import Solution, Status
 from ancf.stepping import Trace, find_equilibrium, inverted_at, smallest_stretch
-from ancf.validity import validity_warnings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +48,7 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     total = time.perf_counter() - started
     counters = model.counters
     message = None if trace.status is Status.CONVERGED else _explain(model, trace)
-    solution = Solution(
+    return Solution(
         scene=scene,
         model=model,
         q=trace.q,
@@ -70,8 +69,6 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
         },
         effects={n: {"calls": counters.calls[n], "seconds": counters.seconds[n]} for n in counters.calls},
     )
-    solution.warnings.extend(validity_warnings(solution))
-    return solution
 
 
 # Loads beyond this many E I / L^2 pull a rod into a boundary layer shorter than any sensible element.

@@ -47,15 +47,15 @@ def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
     strain = largest_strain(solution, rod)
     if strain > STRAIN_LIMIT:
         found.append(
-            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff and "
-            "a linear section depart from a real solid there, by about 1.4 times the strain squared in bending"
+            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff "
+            "and a linear section depart from a real solid there, in bending by 1.4 times the strain squared"
         )
     slenderness = spec.length / spec.elements / rod.radius_of_gyration
     locks = rod.element.name == "3243" or rod.axial_points > 2
     if locks and slenderness > LOCKING_SLENDERNESS:
         found.append(
-            f"element {rod.element.name} with {rod.axial_points} axial points locks when bent: element "
-            f"length / radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
+            f"{rod.element.name} with {rod.axial_points} axial points locks in bending: element length "
+            f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
             "default rule, or more elements"
         )
     if not isinstance(spec.section, Circle | Annulus):

@@ -1,6 +1,7 @@
 """Random rods, loads and deformed states for the property checks, from any source of numbers.
 
-A property is measured on what a `Draws` hands out: NumPy's generator in the report, Hypothesis in the tests, so that both
+A property is measured on what a `Draws` hands out: NumPy's generator in the report, Hypothesis in the tests,
+so that both
 look at the same rods and Hypothesis can shrink the counterexample.
 
 Symbols
@@ -94,13 +95,22 @@ def random_section(draws: Draws, size: float, shape: str | None = None) -> Secti
         return Rectangle(2.0 * ratio * size, size)
     if shape == "angle":
         leg = 0.4 * size
-        corners = [(0, 0), (2 * size, 0), (2 * size, leg), (leg, leg), (leg, 2 * ratio * size), (0, 2 * ratio * size)]
+        corners = [
+            (0, 0),
+            (2 * size, 0),
+            (2 * size, leg),
+            (leg, leg),
+            (leg, 2 * ratio * size),
+            (0, 2 * ratio * size),
+        ]
         return Polygon(tuple((float(y), float(z)) for y, z in corners))
     count = draws.choice((3, 4, 5, 7))
     angle = 2.0 * np.pi * (np.arange(count) + [draws.number(-0.2, 0.2) for _ in range(count)]) / count
     radius = size * np.array([draws.number(0.6, 1.0) for _ in range(count)])
     far = draws.number(-3.0, 3.0) * size  # the centroid is found by the section
-    return Polygon(tuple((float(far + r * np.cos(a)), float(r * np.sin(a))) for r, a in zip(radius, angle, strict=True)))
+    return Polygon(
+        tuple((float(far + r * np.cos(a)), float(r * np.sin(a))) for r, a in zip(radius, angle, strict=True))
+    )
 
 
 @dataclass(frozen=True)
@@ -119,7 +129,9 @@ class RodRange:
 
 
 def random_rod(draws: Draws, element: str, allowed: RodRange | None = None) -> Rod:
-    """Rod of the given element: any size, stiffness, section, base and stress-free curvature within `allowed`."""
+    """Rod of the given element: any size, stiffness, section, base and stress-free curvature within
+    `allowed`.
+    """
     allowed = allowed or RodRange()
     length = 10.0 ** draws.number(-2.0, 1.0)
     slenderness = draws.number(*allowed.slenderness)
@@ -129,7 +141,11 @@ def random_rod(draws: Draws, element: str, allowed: RodRange | None = None) -> R
     if draws.choice(allowed.curved):
         most = min(LARGEST_TURN * count / length, LARGEST_CURVATURE / section.outer_radius)
         curvature = random_vector(draws, most / np.sqrt(3.0))
-    factors = (draws.number(0.6, 1.0), draws.number(0.6, 1.0)) if draws.choice(allowed.shear_factors) else (1.0, 1.0)
+    factors = (
+        (draws.number(0.6, 1.0), draws.number(0.6, 1.0))
+        if draws.choice(allowed.shear_factors)
+        else (1.0, 1.0)
+    )
     return Rod(
         name="rod",
         length=length,
@@ -156,7 +172,7 @@ def random_model(draws: Draws, element: str, allowed: RodRange | None = None) ->
 
 
 def bent_state(model: RodModel, turn: Floats) -> Floats:
-    """Nodal vectors (n_nodes, vectors, 3) after the sections turn along the rod by up to `turn` (3,) [rad]."""
+    """Nodal vectors (n_nodes, vectors, 3) of a rod whose sections turn by up to `turn` (3,) [rad]."""
     fraction = model.mesh.node_x / model.rod.length
     rotations = _rodrigues(fraction[:, None] * turn)
     middle = _rodrigues(0.5 * (fraction[1:] + fraction[:-1])[:, None] * turn)
@@ -167,18 +183,20 @@ def bent_state(model: RodModel, turn: Floats) -> Floats:
 
 
 def random_state(draws: Draws, model: RodModel, strain: float = 0.05) -> Floats:
-    """Nodal vectors (n_nodes, vectors, 3): bent, twisted, turned as a whole, and strained by about `strain`."""
+    """Nodal vectors (n_nodes, vectors, 3): bent, twisted, turned, and strained by about `strain`."""
     q = bent_state(model, random_vector(draws, 2.0))
     h = np.min(model.mesh.h)
     per_vector = np.array([h ** (1 - sum(order)) for order in model.element.vectors])
-    noise = np.array([random_vector(draws) for _ in range(q.shape[0] * q.shape[1])]).reshape(q.shape)
+    # From a drawn seed: hundreds of single draws would be slow, and could all be zero.
+    noise = np.random.default_rng(draws.choice(range(2**16))).uniform(-1.0, 1.0, q.shape)
     return (q + 0.5 * strain * noise * per_vector[:, None]) @ random_rotation(draws).T
 
 
 def random_loads(draws: Draws, rod: Rod, size: float = 1.0, kinds: tuple[str, ...] = ()) -> Scene:
     """Scene with the rod and one to three loads of about `size` E I / L (moments), E I / L^2 (forces).
 
-    kinds : of ``moment``, ``force``, ``line_load``, ``gravity`` (dead) and ``follower``; all of them by default
+    kinds : of ``moment``, ``force``, ``line_load``, ``gravity`` (dead) and ``follower``; all of them by
+    default
     """
     kinds = kinds or ("moment", "force", "line_load", "gravity", "follower")
     I = float(np.linalg.eigvalsh(rod.section.second_moments)[0])  # noqa: E741

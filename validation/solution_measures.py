@@ -10,7 +10,9 @@ A_o, r_b   rotation and position of the base;  k = (twist, about y, about z) ref
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import fields, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 import ancf
 from ancf.mesh import reference_axis
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
-from ancf.sections import Polygon
+from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
 from ancf.solution import Solution
 from validation.kernel_measures import frame_and_gradients
 
@@ -58,7 +60,8 @@ def bending_stiffness(rod: Rod) -> float:
     return rod.material.young_modulus * float(np.linalg.eigvalsh(rod.section.second_moments)[0])
 
 
-# --- symmetries: the same rod described in another way ------------------------------------------------------------
+# --- symmetries: the same rod described in another way
+# ------------------------------------------------------------
 
 
 def turned(scene: Scene, rotation: Floats) -> Scene:
@@ -104,7 +107,7 @@ def reversed_rod(scene: Scene) -> Scene:
 
 
 def millimetres_and_grams(scene: Scene) -> Scene:
-    """The scene in mm, g, s instead of m, kg, s: E as before, forces by 1e6, moments by 1e9, density by 1e-6."""
+    """The scene in mm, g, s: E as before, forces by 1e6, moments by 1e9, density by 1e-6."""
     rod = scene.rods[0]
     material = rod.material
     density = None if material.density is None else material.density * 1e-6
@@ -126,40 +129,56 @@ def millimetres_and_grams(scene: Scene) -> Scene:
     )
 
 
-def _changed(scene: Scene, rod: Rod, vector, offset=(1.0, 1.0), reverse: bool = False) -> Scene:  # noqa: ANN001
+def _changed(
+    scene: Scene,
+    rod: Rod,
+    vector: Callable[[Floats, bool], Floats],
+    offset: tuple[float, float] = (1.0, 1.0),
+    reverse: bool = False,
+) -> Scene:
+    """The scene with another rod, load vectors mapped by `vector(value, axial)`, places turned around."""
+
     def at(value: float) -> float:
         return 1.0 - value if reverse else value
 
+    def moved(force: Force) -> Force:
+        return replace(force, value=vector(force.value, False), at=at(force.at), offset=force.offset * offset)
+
+    gravity = scene.gravity
     return replace(
         scene,
         rods=(rod,),
         moments=tuple(replace(m, value=vector(m.value, True), at=at(m.at)) for m in scene.moments),
-        forces=tuple(
-            replace(f, value=vector(f.value, False), at=at(f.at), offset=f.offset * offset) for f in scene.forces
-        ),
+        forces=tuple(moved(force) for force in scene.forces),
         line_loads=tuple(replace(f, value=vector(f.value, False)) for f in scene.line_loads),
-        gravity=None if scene.gravity is None else Gravity(vector(scene.gravity.acceleration, False)),
+        gravity=None if gravity is None else Gravity(vector(gravity.acceleration, False)),
     )
 
 
-def _flipped(rod: Rod, y: float = 1.0, z: float = 1.0):  # noqa: ANN202
+def _flipped(rod: Rod, y: float = 1.0, z: float = 1.0) -> Section:
+    """The section with y or z reversed; only polygons see it."""
     if not isinstance(rod.section, Polygon):
         return rod.section
     return Polygon(tuple((y * a, z * b) for a, b in reversed(rod.section.points)))
 
 
-def _scaled(rod: Rod, factor: float):  # noqa: ANN202
+def _scaled(rod: Rod, factor: float) -> Section:
+    """The section with all its lengths multiplied."""
     section = rod.section
     if isinstance(section, Polygon):
         return Polygon(tuple((factor * a, factor * b) for a, b in section.points))
-    return replace(section, **{name: factor * value for name, value in vars(section).items() if name in section.__dataclass_fields__})
+    assert isinstance(section, Circle | Annulus | Ellipse | Rectangle)
+    return replace(section, **{f.name: factor * getattr(section, f.name) for f in fields(section)})
 
 
-# --- balance and reciprocity --------------------------------------------------------------------------------------
+# --- balance and reciprocity
+# --------------------------------------------------------------------------------------
 
 
 def applied(solution: Solution) -> tuple[Floats, Floats]:
-    """Resultant of all loads: force (3,) [N], moment (3,) about the base [N m], from the deformed positions alone."""
+    """Resultant of all loads: force (3,) [N], moment (3,) about the base [N m], from the deformed positions
+    alone.
+    """
     scene, model = solution.scene, solution.model.rods[0]
     rod, base = scene.rods[0], scene.rods[0].base.position
     force, moment = np.zeros(3), np.zeros(3)
@@ -196,13 +215,13 @@ def _axial(breaks: Floats, points: int) -> list[tuple[float, float]]:
     xi, weight = np.polynomial.legendre.leggauss(points)
     return [
         (0.5 * (a + b) + 0.5 * (b - a) * s, 0.5 * (b - a) * w)
-        for a, b in zip(breaks[:-1], breaks[1:], strict=True)
+        for a, b in pairwise(breaks)
         for s, w in zip(xi, weight, strict=True)
     ]
 
 
 def imbalance(scene: Scene) -> float:
-    """|reaction + loads| over max(load, E I / L^2) for forces and moments, beyond the residual floor."""
+    """|reaction + loads| over max(load, E I / L^2), or E I / L, in units of 1e-10 + ten residual floors."""
     solution = solved(scene)
     rod = scene.rods[0]
     force, moment = applied(solution)
@@ -210,13 +229,15 @@ def imbalance(scene: Scene) -> float:
     unit = bending_stiffness(rod) / rod.length**2
     worst = max(
         float(np.max(np.abs(force + reaction_force))) / max(float(np.linalg.norm(force)), unit),
-        float(np.max(np.abs(moment + reaction_moment))) / max(float(np.linalg.norm(moment)), unit * rod.length),
+        float(np.max(np.abs(moment + reaction_moment)))
+        / max(float(np.linalg.norm(moment)), unit * rod.length),
     )
-    return max(worst - 10.0 * solution.residual_floor, 0.0)
+    return worst / (1e-10 + 10.0 * solution.residual_floor)
 
 
 def reciprocity(rod: Rod, a: Force, b: Force | Moment, step: float = 1e-4) -> float:
-    """Betti: the work of load a on the displacement by b against the reverse, relative; `step` E I / L^2 scales both.
+    """Betti: the work of load a on the displacement by b against the reverse, relative; `step` E I / L^2
+    scales both.
 
     Both signs of each load are solved, so that what is quadratic in the load drops out.
     """
@@ -224,7 +245,11 @@ def reciprocity(rod: Rod, a: Force, b: Force | Moment, step: float = 1e-4) -> fl
     for load in (a, b):
         # The other load is listed with zero magnitude: both solutions then have the same mesh.
         pair = [
-            solved(_loaded(rod, [replace(x, value=x.value * (sign * step if x is load else 0.0)) for x in (a, b)]))
+            solved(
+                _loaded(
+                    rod, [replace(x, value=x.value * (sign * step if x is load else 0.0)) for x in (a, b)]
+                )
+            )
             for sign in (1.0, -1.0)
         ]
         motions.append([_conjugate(pair, at) for at in (a, b)])
@@ -239,7 +264,9 @@ def _loaded(rod: Rod, loads: list[Force | Moment]) -> Scene:
 
 
 def _conjugate(plus_minus: list[Solution], load: Force | Moment) -> Floats:
-    """Displacement of the point of a force, or small rotation of the section of a moment, between two solutions."""
+    """Displacement of the point of a force, or small rotation of the section of a moment, between two
+    solutions.
+    """
     plus, minus = plus_minus
     if isinstance(load, Force):
         y, z = load.offset
@@ -248,7 +275,8 @@ def _conjugate(plus_minus: list[Solution], load: Force | Moment) -> Floats:
     return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
 
 
-# --- independence of how the solution is found --------------------------------------------------------------------
+# --- independence of how the solution is found
+# --------------------------------------------------------------------
 
 
 def path_dependence(scene: Scene) -> float:
@@ -258,7 +286,7 @@ def path_dependence(scene: Scene) -> float:
 
 
 def difference_tangent_dependence(scene: Scene) -> float:
-    """Difference of the solutions with the analytic tangent and with the paper's finite-difference tangent."""
+    """Difference of the solutions with the analytic and the paper's finite-difference tangent."""
     numerical = replace(scene, solver=replace(scene.solver, tangent="finite-difference"))
     return difference(shape(solved(scene)), shape(solved(numerical)))
 
@@ -276,11 +304,12 @@ def zero_effects(scene: Scene) -> float:
     return float(np.count_nonzero(solved(scene).q != solved(more).q))
 
 
-# --- closed forms -------------------------------------------------------------------------------------------------
+# --- closed forms
+# -------------------------------------------------------------------------------------------------
 
 
 def helix_error(rod: Rod, v: Floats) -> float:
-    """Tip position error / L of a straight round rod under the tip moment M = v E I / L, against theory.md 1."""
+    """Tip position error / L of a straight round rod under M = v E I / L, against theory.md 1."""
     stiffness = bending_stiffness(rod)
     solution = solved(Scene((rod,), moments=(Moment(rod.name, 1.0, v * stiffness / rod.length),)))
     e, phi = rod.base.rotation[:, 0], float(np.linalg.norm(v))
@@ -297,9 +326,11 @@ def section_moment_error(rod: Rod, v: Floats) -> float:
 
 
 def stretch_error(rod: Rod, stretch: float) -> float:
-    """Error of the axial stretch and of the section stretch under P = E A (s^3 - s)/2 with a section free to contract.
+    """Error of the axial stretch and of the section stretch under P = E A (s^3 - s)/2 with a section free to
+    contract.
 
-    Uniaxial Saint Venant-Kirchhoff: S_xx = E (s^2 - 1)/2, nominal P = A s S_xx, lateral s_t^2 = 1 - nu (s^2 - 1).
+    Uniaxial Saint Venant-Kirchhoff: S_xx = E (s^2 - 1)/2, nominal P = A s S_xx, lateral s_t^2 = 1 - nu (s^2 -
+    1).
     """
     nu = rod.material.poisson_ratio
     P = rod.material.young_modulus * rod.section.area * (stretch**3 - stretch) / 2.0
@@ -308,5 +339,7 @@ def stretch_error(rod: Rod, stretch: float) -> float:
     lateral = float(np.sqrt(1.0 - nu * (stretch**2 - 1.0)))
     axial = float((tip.position - rod.base.position) @ rod.base.rotation[:, 0]) / rod.length
     return max(
-        abs(axial - stretch), abs(float(np.linalg.norm(tip.r_y)) - lateral), abs(float(np.linalg.norm(tip.r_z)) - lateral)
+        abs(axial - stretch),
+        abs(float(np.linalg.norm(tip.r_y)) - lateral),
+        abs(float(np.linalg.norm(tip.r_z)) - lateral),
     )

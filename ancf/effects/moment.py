@@ -47,6 +47,7 @@ class _PointMoment:
     def __init__(self, point: SectionPoint, linear: list[int], value: Floats, follower: bool) -> None:
         self.dofs = point.dofs[None]
         self.point = point
+        self.to_directors = np.kron(point.N, np.eye(3))  # (3 directors, 3 nodal)
         self.linear = linear  # directors that are r_y and r_z on the axis
         self.value = value  # (3,) N m, SCS, at the reference
         self.follower = follower
@@ -69,27 +70,27 @@ class SectionMoment(_PointMoment):
         """See `Effect.force`."""
         rotation = self._rotation(e)
         mu = rotation.G_inverse @ self._moment(rotation)
-        return (self.point.N.T @ np.cross(mu, rotation.RW))[None]
+        return (self.point.N.T @ (rotation.RW @ hat(mu).T))[None]
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; unsymmetric."""
         rotation = self._rotation(e)
+        RW, directors = rotation.RW, len(rotation.RW)
         M = self._moment(rotation)
         mu = rotation.G_inverse @ M
-        dw = rotation.spin()  # (3, directors, 3)
-        # dV mu for a unit change of component c of director k: e_c (RW_k . mu) - V (dw x mu)
-        dV_mu = np.einsum("ic,k->ikc", np.eye(3), rotation.RW @ mu) + np.einsum(
-            "ij,jkc->ikc", rotation.V @ hat(mu), dw
-        )
-        # tr(dV) = RW_k[c] - tr(V hat(dw)), and the trace of symmetric times skew is zero
-        dG_mu = np.einsum("kc,i->ikc", rotation.RW, mu) - dV_mu
-        dM = -np.einsum("ij,jkc->ikc", hat(M), dw) if self.follower else 0.0
-        dmu = np.einsum("ij,jkc->ikc", rotation.G_inverse, dM - dG_mu)
-        # dQ_l = dmu x RW_l + mu x (dw x RW_l)
-        hat_RW = hat(rotation.RW)
-        dQ = -np.einsum("lij,jkc->likc", hat_RW, dmu) - np.einsum("ij,ljm,mkc->likc", hat(mu), hat_RW, dw)
-        Q = self.point.N.T @ np.cross(mu, rotation.RW)
-        return Q[None], _to_nodes(self.point.N, self.point.N, dQ)
+        hat_mu, hat_RW = hat(mu), hat(RW)
+        # Columns of the (3, 3 directors) matrices below are the components of the directors.
+        dw = rotation.spin().reshape(3, -1)
+        dV_mu = np.kron(RW @ mu, np.eye(3)) + rotation.V @ hat_mu @ dw
+        # tr(dV) = sum_k RW_k . dd_k: the trace of the symmetric V times a skew matrix is zero.
+        dG_mu = np.outer(mu, RW) - dV_mu
+        dM = -hat(M) @ dw if self.follower else 0.0
+        dmu = rotation.G_inverse @ (dM - dG_mu)
+        # Q_l = mu x RW_l, RW_l turns with dw.
+        dQ = -hat_RW @ dmu - hat_mu @ hat_RW @ dw
+        Q = self.point.N.T @ (RW @ hat_mu.T)
+        K = self.to_directors.T @ dQ.reshape(3 * directors, -1) @ self.to_directors
+        return Q[None], K[None]
 
 
 class VorticityMoment(_PointMoment):

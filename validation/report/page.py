@@ -1,0 +1,245 @@
+"""One self-contained offline `report.html` from a run: jinja2 template, inline figures, inline style."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from validation.cases import INDEPENDENCE, Case
+from validation.convergence import SHORTFALL
+from validation.criteria import Verdict
+from validation.environment import peak_memory_mb
+from validation.locking import VARIANTS
+from validation.outcome import Row
+from validation.problems import CaseResult
+from validation.property_runs import SEED
+from validation.record import write_text
+from validation.report import figures_paper, figures_studies, numbers
+from validation.report.captions import captions
+from validation.report.sketch import sketch
+from validation.report.style import styled
+from validation.runner import Run
+from validation.scenes import as_toml
+
+HERE = Path(__file__).parent
+LETTERS = {"closed form": "C", "rod integration": "R", "other code": "O", "identity": "I"}
+LOADS = (
+    "tip moment", "follower moment", "torsion", "tip force", "follower force", "axial force", "line load", "gravity",
+    "prescribed strain", "none",
+)  # fmt: skip
+CONTENTS = (
+    ("not-shown", "What this report does not show"),
+    ("coverage", "What was compared with what"),
+    ("cases", "Cases against references"),
+    ("convergence", "Order of convergence"),
+    ("properties", "Properties on random rods"),
+    ("own-numbers", "Our own earlier numbers"),
+    ("locking", "Locking: the paper's element and its cure"),
+    ("work", "Accuracy against time"),
+    ("hard-cases", "Hard cases"),
+    ("paper", "The paper's figures 1 to 3"),
+    ("decisions", "Where the paper is wrong or silent"),
+    ("environment", "Environment and time"),
+)
+
+
+@dataclass(frozen=True)
+class Card:
+    """A case result as the template shows it."""
+
+    case: Case
+    verdict: Verdict
+    findings: list
+    reason: str
+    warnings: list[str]
+    rows: list[Row]
+    sketch: Markup | None
+    data: str
+    toml: str
+    slug: str
+
+
+def write_page(run: Run, folder: Path) -> Path:
+    """Write `report.html` into a folder that exists; atomic."""
+    return write_text(folder / "report.html", render(run))
+
+
+def render(run: Run) -> str:
+    """The page as text."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    environment.filters.update(
+        number=numbers.number, compact=numbers.compact, margin=numbers.margin, seconds=numbers.seconds
+    )
+    return environment.get_template("report.html.j2").render(context(run))
+
+
+def context(run: Run) -> dict[str, Any]:
+    """Everything the template needs."""
+    verdict, reasons = run.verdict
+    cards = [_card(result) for result in run.cases]
+    references = [c for c in cards if c.case.reference.independence != "own earlier number"]
+    findings = [f for c in cards for f in c.findings]
+    counts = Counter(f.verdict for f in findings)
+    return {
+        "run": run,
+        "css": Markup((HERE / "report.css").read_text(encoding="utf-8")),
+        "verdict": str(verdict) if run.complete or verdict is not Verdict.PASS else "PARTIAL",
+        "sentence": sentence(run),
+        "reasons": reasons,
+        "blocking": [(name, _anchor(name)) for name in run.blocking],
+        "tally": [(str(v), counts[v]) for v in Verdict if counts[v]],
+        "checks": len(findings),
+        "contents": CONTENTS,
+        "independence": INDEPENDENCE,
+        "known": [c for c in cards if c.verdict is Verdict.KNOWN_LIMIT],
+        "coverage": coverage(run.cases),
+        "groups": _groups(references),
+        "own": [c for c in cards if c.case.reference.independence == "own earlier number"],
+        "figures": _figures(run),
+        "captions": captions(run),
+        "shortfall": SHORTFALL,
+        "seed": SEED,
+        "variants": VARIANTS,
+        "decisions": tomllib.loads((HERE / "decisions.toml").read_text(encoding="utf-8"))["decision"],
+        "memory": peak_memory_mb(),
+    }
+
+
+def sentence(run: Run) -> str:
+    """The verdict in words."""
+    checks = run.checks
+    held = sum(v not in (Verdict.FAIL, Verdict.INCONCLUSIVE) for v in checks.values())
+    near = sum(v is Verdict.WARN for v in checks.values())
+    known = sum(v is Verdict.KNOWN_LIMIT for v in checks.values())
+    parts = [f"{held} of {len(checks)} required results hold"]
+    if near:
+        parts.append(f"{near} of them close to the limit")
+    if known:
+        parts.append(f"{known} known limits are confirmed at their documented size")
+    text = "; ".join(parts) + "."
+    if held == len(checks) and not run.skipped:
+        text += " The solver agrees with every independent answer it was held against, within the stated limits."
+    return text
+
+
+def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
+    """Cases by element, law and load, with the kinds of reference; empty cells stay visible."""
+    cells: dict[tuple[str, str], Counter[str]] = {}
+    for result in results:
+        letter = LETTERS.get(result.case.reference.independence)
+        if letter is None:
+            continue
+        for name in _combinations(result.case):
+            for load in result.case.loads.split(", "):
+                cells.setdefault((name, load), Counter())[letter] += 1
+    rows = [f"{e}, {law}" for e in ("3333", "3243") for law in ("enhanced", "continuum")]
+    loads = [*LOADS, *sorted({load for _, load in cells} - set(LOADS))]
+    found = Counter(r.case.reference.independence for r in results)
+    checks = Counter()
+    for r in results:
+        checks[r.case.reference.independence] += len(r.findings)
+    return {
+        "loads": ["rigid motion" if load == "none" else load for load in loads],
+        "rows": [
+            {"name": name, "cells": [_cell(cells.get((name, load))) for load in loads]} for name in rows
+        ],
+        "kinds": [
+            {"name": name, "meaning": meaning, "cases": found[name], "checks": checks[name]}
+            for name, meaning in INDEPENDENCE.items()
+        ],
+    }  # fmt: skip
+
+
+def _cell(counts: Counter[str] | None) -> str:
+    return "" if not counts else " ".join(f"{letter}{counts[letter]}" for letter in "CROI" if counts[letter])
+
+
+def _combinations(case: Case) -> set[str]:
+    """Element and law of a case; several where it has variants."""
+    rods = [{**case.rod, **variant} for variant in case.parameters.get("variants", [{}])]
+    return {f"{rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}" for rod in rods}
+
+
+def _card(result: CaseResult) -> Card:
+    outcome = result.outcome
+    solution = outcome.solution if outcome else None
+    name = _slug(result.case.id)
+    return Card(
+        case=result.case,
+        verdict=result.verdict,
+        findings=result.findings,
+        reason=result.reason,
+        warnings=result.warnings,
+        rows=outcome.rows if outcome else [],
+        sketch=sketch(solution, f"Rod of case {result.case.id}") if solution is not None else None,
+        data=_data(result),
+        toml=as_toml(outcome.scene) if outcome and outcome.scene else "",
+        slug=name,
+    )
+
+
+def _data(result: CaseResult) -> str:
+    """The rod in one line."""
+    case = result.case
+    scene = (result.outcome.scene if result.outcome else None) or case.scene
+    if case.parameters.get("variants") or not scene:
+        notes = list(result.outcome.notes) if result.outcome else []
+        count = len(case.parameters.get("variants", []))
+        return "; ".join([f"{count} kinds of rod", *notes])
+    rod = scene["rod"][0]
+    section = ", ".join(f"{k.replace('_', ' ')} {v:g} m" if isinstance(v, int | float) else str(v) for k, v in rod["section"].items())
+    material = rod["material"]
+    parts = [
+        f"{rod['elements']} elements {rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}",
+        f"L = {rod['length']:g} m",
+        section,
+        f"E = {material['young_modulus']:g} Pa, ν = {material['poisson_ratio']:g}",
+    ]
+    if any(rod.get("curvature", ())):
+        parts.append(f"stress-free curvature {list(rod['curvature'])} 1/m")
+    return "; ".join(parts)
+
+
+def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:
+    """Cards by row of the benchmark table, in their order."""
+    order: dict[str, list[Card]] = {}
+    for card in cards:
+        order.setdefault(card.case.row, []).append(card)
+    return [{"title": f"{row}: {found[0].case.title}", "slug": _slug(row), "results": found} for row, found in order.items()]
+
+
+def _figures(run: Run) -> dict[str, Markup | None]:
+    with styled():
+        return {
+            "margins": figures_studies.margins(run.cases) if run.cases else None,
+            "convergence": figures_studies.convergence(run.convergence) if run.convergence else None,
+            "locking": figures_studies.locking(run.locking) if run.locking else None,
+            "work": figures_studies.work_precision(run.work) if run.work else None,
+            "fig1": figures_paper.element(),
+            "fig2": figures_paper.scenes(run.cases),
+            "fig3": figures_paper.section(),
+        }
+
+
+def _anchor(check: str) -> str:
+    """Where on the page a named check stands."""
+    kind, _, name = check.partition(" ")
+    places = {"order": "convergence", "property": "properties", "hard": "hard-cases", "locking": "locking",
+              "slenderness": "locking", "work-precision": "work", "part": "environment"}  # fmt: skip
+    return f"case-{_slug(name)}" if kind == "case" else places.get(kind, "")
+
+
+def _slug(name: str) -> str:
+    return re.sub(r"[^a-zA-Z0-9]+", "-", name).strip("-").lower()
