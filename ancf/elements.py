@@ -40,7 +40,8 @@ class Element:
     ----------
     node_xi : positions of the nodes on the axis, -1 to 1
     vectors : derivative orders (x, y, z) of the vectors that each node carries
-    axial_points : Gauss points along the axis for the strain energy by default
+    axial_points : Gauss points along the axis for the strain energy by default; fewer leave zero-energy modes
+    locks_from : with this many axial points or more, slender rods lock in bending (curvature-thickness)
     full_points : Gauss points that integrate the Saint Venant-Kirchhoff energy of a straight element exactly
     """
 
@@ -49,11 +50,30 @@ class Element:
     vectors: tuple[Order, ...]
     axial_points: int
     full_points: int
+    locks_from: int
 
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
         """Section monomials (power of y, power of z) in the order in which the vectors name them."""
         return tuple(dict.fromkeys((j, k) for _, j, k in self.vectors))
+
+    @cached_property
+    def y_director(self) -> int:
+        """Which director is r_y on the axis."""
+        return self.directors.index((1, 0))
+
+    @cached_property
+    def z_director(self) -> int:
+        """Which director is r_z on the axis."""
+        return self.directors.index((0, 1))
+
+    @cached_property
+    def section_degree(self) -> int:
+        """Degree in (y, z) of the Saint Venant-Kirchhoff energy density over a straight section.
+
+        Directors of degree p make strains of degree 2 p and their squares of degree 4 p.
+        """
+        return 4 * max(j + k for j, k in self.directors)
 
     @property
     def vectors_per_element(self) -> int:
@@ -127,6 +147,6 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # mildly.
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
 ELEMENTS: dict[str, Element] = {
-    "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5),
-    "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5),
+    "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
+    "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5, locks_from=3),
 }

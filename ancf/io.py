@@ -1,7 +1,7 @@
 """Result files of a solution: result.json, result.csv, result.vtu and state.npz.
 
-All files are written beside their destination and put in place at the end, so an interruption leaves the
-former set whole, or nothing.
+All files are written beside their destination and put in place at the end, each whole or not at all, with
+result.json last: while it is missing or old, the set is not complete.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ancf.errors import InputError, Message
-from ancf.mesh import reference_axis
 
 if TYPE_CHECKING:
     from ancf.solution import Solution
@@ -37,13 +36,15 @@ def check_folder(path: str | os.PathLike[str]) -> Path:
     """Refuse, before anything is computed, a folder that could not be written (`InputError`)."""
     folder = Path(path)
     existing = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
-    if existing.is_dir() and os.access(existing, os.W_OK):
+    taken = next((folder / name for name in RESULT_FILES if (folder / name).is_dir()), None)
+    if existing.is_dir() and os.access(existing, os.W_OK) and taken is None:
         return folder
-    value, cause = (
-        (f"{existing} may not be written", "missing permission")
-        if existing.is_dir()
-        else (f"{existing} is a file", "the name is taken by a file")
-    )
+    if taken is not None:
+        value, cause = f"{taken} is a folder", "the name of a result file is taken by a folder"
+    elif existing.is_dir():
+        value, cause = f"{existing} may not be written", "missing permission"
+    else:
+        value, cause = f"{existing} is a file", "the name is taken by a file"
     raise InputError(
         Message(
             "The output folder cannot be used.",
@@ -100,11 +101,9 @@ def _write_csv(path: Path, solution: Solution) -> None:
         writer.writerow(CSV_HEADER)
         for rod in solution.scene.rods:
             forces = solution.section_forces(rod.name)
-            _, frames = reference_axis(forces.x, rod.curvature)
-            for i, at in enumerate(forces.at):
-                pose = solution.pose(rod.name, float(at))
-                axes = pose.rotation @ rod.base.rotation @ frames[i]
-                numbers = [[at, forces.x[i]], pose.position, forces.force[i], forces.moment[i]]
+            positions = solution.displaced(rod.name, forces.at, np.zeros(1), np.zeros(1))
+            for i, axes in enumerate(solution.section_axes(rod.name)):
+                numbers = [[forces.at[i], forces.x[i]], positions[i], forces.force[i], forces.moment[i]]
                 numbers += [forces.force[i] @ axes, forces.moment[i] @ axes]
                 writer.writerow([rod.name, *(repr(float(v)) for v in np.concatenate(numbers))])
 

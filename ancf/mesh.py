@@ -39,7 +39,7 @@ def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats
 
     `anchors` are fractions of the length where a support or a point load stands: there the solution has a
     kink, and an element boundary represents it exactly. The elements are shared out in proportion to the
-    distances (largest remainder), so anchors on the uniform grid leave the grid uniform.
+    distances, so anchors on the uniform grid leave the grid uniform.
 
     Raises ValueError when there are more pieces than elements.
     """
@@ -105,6 +105,8 @@ def reference_nodes(rod: Rod, element: Element, node_x: Floats) -> Floats:
             vectors.append(position @ A_o.T)
         elif sum(order) == 1:
             vectors.append((A_o @ frame)[..., order.index(1)])
+        elif order[0] == 0:
+            vectors.append(np.zeros_like(position))  # sections are plane and undistorted in the reference
         else:
             raise ValueError(f"element {element.name}: no reference rule for nodal vector {order}")
     return np.stack(vectors, axis=1)

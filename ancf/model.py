@@ -10,18 +10,18 @@ L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 a
 from __future__ import annotations
 
 import importlib
-import time
-from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandLU, BandPattern, factorise
+from ancf.band import BandPattern
+from ancf.counters import Counters
 from ancf.effects import Effect
 from ancf.finite_difference import difference_tangent
+from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Scene
 from ancf.supports import NodeSupport
@@ -33,15 +33,6 @@ Floats = NDArray[np.float64]
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
-
-
-@dataclass
-class Counters:
-    """Calls and seconds by effect name, and seconds by phase: what a solution reports about its cost."""
-
-    calls: dict[str, int] = field(default_factory=lambda: defaultdict(int))
-    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
-    linear_solve: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -70,11 +61,13 @@ class Model:
             self.rods.append(model)
             first_dof += model.size
         self.n = first_dof
-        self.effects: list[Effect] = []
-        for attribute, module in EFFECT_MODULES.items():
-            if getattr(scene, attribute):
-                self.effects += importlib.import_module(f"ancf.effects.{module}").build(scene, self.rods)
-        self.supports: list[NodeSupport] = [s for model in self.rods for s in model.node_supports()]
+        # By table name; what the scene does not list is neither imported nor built.
+        self.effects: dict[str, list[Effect]] = {
+            name: importlib.import_module(f"ancf.effects.{name}").build(scene, self.rods)
+            for attribute, name in EFFECT_MODULES.items()
+            if getattr(scene, attribute)
+        }
+        self.supports: list[NodeSupport] = [s for rod in self.rods for s in rod.node_supports()]
         self.counters = Counters()
 
     @cached_property
@@ -102,20 +95,17 @@ class Model:
         """Number of unknowns that the supports leave."""
         return self.n - sum(s.rows.shape[0] for s in self.supports)
 
-    # --- forces -----------------------------------------------------------------------------------------
-
     @np.errstate(over="ignore", invalid="ignore")  # a load may overflow; the solver reports it as not_finite
     def residual(self, q: Floats) -> Residual:
         """Generalised forces at q (n,)."""
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
-        for model in self.rods:
-            with self._timed("elastic"):
-                Q_e = model.elastic.force(_blocks(q, model.dofs))
-            _add(Q_int, model.dofs, Q_e)
-        for effect in self.effects:
-            with self._timed(effect.name):
-                Q_e = effect.force(_blocks(q, effect.dofs))
-            _add(Q_ext, effect.dofs, Q_e)
+        with self.counters.effect("elastic"):
+            for rod in self.rods:
+                _add(Q_int, rod.dofs, rod.elastic.force(rod.element_vectors(q)))
+        for name, effects in self.effects.items():
+            with self.counters.effect(name):
+                for effect in effects:
+                    _add(Q_ext, effect.dofs, effect.force(_blocks(q, effect.dofs)))
         return Residual(Q_int, Q_ext)
 
     def residual_and_tangent(
@@ -128,114 +118,58 @@ class Model:
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         flat = np.zeros(self.pattern.entries)
         differences = self.scene.solver.tangent == "finite-difference"
-        for model, slots in zip(self.rods, self._rod_slots, strict=True):
-            with self._timed("elastic"):
-                e = _blocks(q, model.dofs)
+        with self.counters.effect("elastic"):
+            for rod, slots in zip(self.rods, self._rod_slots, strict=True):
+                e = rod.element_vectors(q)
                 if differences:
-                    Q_e = model.elastic.force(e)
-                    K_e = difference_tangent(model.elastic.force, e, _blocks(self.unit, model.dofs))
+                    Q_e = rod.elastic.force(e)
+                    K_e = difference_tangent(rod.elastic.force, e, _blocks(self.unit, rod.dofs))
                 else:
-                    e_previous = None if q_previous is None else _blocks(q_previous, model.dofs)
-                    Q_e, K_e = model.elastic.force_and_tangent(e, e_previous)
-                _add(Q_int, model.dofs, Q_e)
+                    e_previous = None if q_previous is None else rod.element_vectors(q_previous)
+                    Q_e, K_e = rod.elastic.force_and_tangent(e, e_previous)
+                _add(Q_int, rod.dofs, Q_e)
                 flat += np.bincount(slots.ravel(), K_e.ravel(), minlength=len(flat))
-        for effect, slots in zip(self.effects, self._effect_slots, strict=True):
-            with self._timed(effect.name):
-                e = _blocks(q, effect.dofs)
-                Q_e, K_e = effect.force_and_tangent(e)
-                if differences and K_e is not None:
-                    K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
-                _add(Q_ext, effect.dofs, Q_e)
-                if K_e is not None:
-                    np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
+        for name, effects in self.effects.items():
+            with self.counters.effect(name):
+                for effect in effects:
+                    e = _blocks(q, effect.dofs)
+                    Q_e, K_e = effect.force_and_tangent(e)
+                    if differences and K_e is not None:
+                        K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
+                    _add(Q_ext, effect.dofs, Q_e)
+                    if K_e is not None:
+                        slots = self.pattern.block_slots(effect.dofs)
+                        np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
         return Residual(Q_int, Q_ext), flat
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
         """Total potential energy [J]; None when a load has none."""
-        total = sum(model.elastic.energy(_blocks(q, model.dofs)) for model in self.rods)
-        for effect in self.effects:
-            V = effect.potential(_blocks(q, effect.dofs))
-            if V is None:
-                return None
-            total += load_factor * V
+        total = sum(rod.elastic.energy(rod.element_vectors(q)) for rod in self.rods)
+        for effects in self.effects.values():
+            for effect in effects:
+                V = effect.potential(_blocks(q, effect.dofs))
+                if V is None:
+                    return None
+                total += load_factor * V
         return total
 
-    # --- linear algebra ---------------------------------------------------------------------------------
+    def admissible(self, q: Floats) -> Floats:
+        """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""
+        return self.q0 + self.system.project(q - self.q0)
 
     @cached_property
     def pattern(self) -> BandPattern:
         """Band of the tangent: the unknowns of one element couple, nothing else."""
-        return BandPattern(self.n, max(model.dofs.shape[1] for model in self.rods) - 1)
+        return BandPattern(self.n, max(rod.dofs.shape[1] for rod in self.rods) - 1)
 
     @cached_property
     def _rod_slots(self) -> list[NDArray[np.intp]]:
-        return [self.pattern.block_slots(model.dofs) for model in self.rods]
+        return [self.pattern.block_slots(rod.dofs) for rod in self.rods]
 
     @cached_property
-    def _effect_slots(self) -> list[NDArray[np.intp]]:
-        return [self.pattern.block_slots(effect.dofs) for effect in self.effects]
-
-    @cached_property
-    def _band_scale(self) -> Floats:
-        """Factor of each band entry that makes the tangent dimensionless, 0 outside the matrix."""
-        b, n = self.pattern.b, self.n
-        column = np.arange(n)
-        row = column + np.arange(-2 * b, b + 1)[:, None]
-        inside = (row >= 0) & (row < n)
-        left = np.where(inside, (1.0 / self.force_unit)[np.clip(row, 0, n - 1)], 0.0)
-        return (left * self.unit).ravel()
-
-    @cached_property
-    def _support_slots(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp], Floats]]:
-        """Per support: slots of its columns, of its rows, of its diagonal block, and its projector."""
-        found = []
-        for s in self.supports:
-            near = np.arange(
-                max(s.dofs[0] - self.pattern.b, 0), min(s.dofs[-1] + self.pattern.b, self.n - 1) + 1
-            )
-            near = near[(near >= s.dofs[-1] - self.pattern.b) & (near <= s.dofs[0] + self.pattern.b)]
-            columns = self.pattern.slots(near[:, None], s.dofs)
-            rows = self.pattern.slots(s.dofs[:, None], near)
-            found.append((columns, rows, self.pattern.slots(s.dofs[:, None], s.dofs), s.projector))
-        return found
-
-    def project(self, vector: Floats) -> Floats:
-        """The part of a vector (n,) or (n, k) that the supports leave free."""
-        vector = vector.copy()
-        for s in self.supports:
-            vector[s.dofs] = s.projector @ vector[s.dofs]
-        return vector
-
-    def factorise(self, flat: Floats) -> BandLU:
-        """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
-        started = time.perf_counter()
-        flat = flat * self._band_scale
-        for columns, rows, diagonal, P in self._support_slots:
-            flat[columns] = flat[columns] @ P
-            flat[rows] = P @ flat[rows]
-            flat[diagonal] += np.eye(len(P)) - P
-        lu = factorise(self.pattern, flat)
-        self.counters.linear_solve += time.perf_counter() - started
-        return lu
-
-    def row_sum(self, flat: Floats, q: Floats) -> float:
-        """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q can do to the
-        residual."""
-        b, n = self.pattern.b, self.n
-        bands = np.abs(flat * self._band_scale * np.tile(np.abs(q / self.unit), 3 * b + 1)).reshape(-1, n)
-        total = np.zeros(n + 3 * b)
-        for band, shift in zip(bands[b:], range(-b, b + 1), strict=True):
-            total[b + shift : b + shift + n] += band
-        return float(np.max(total[b : b + n]))
-
-    def solve_linear(self, lu: BandLU, right: Floats) -> Floats:
-        """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""
-        started = time.perf_counter()
-        column = (slice(None),) + (None,) * (right.ndim - 1)
-        dq = lu.solve(self.project(right / self.force_unit[column]))
-        result = self.project(dq * self.unit[column])
-        self.counters.linear_solve += time.perf_counter() - started
-        return result
+    def system(self) -> LinearSystem:
+        """Supports, scales, factorisation and solution of the tangent."""
+        return LinearSystem(self.pattern, self.supports, self.unit, self.force_unit, self.counters)
 
     def supported_tangent(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """Tangent B_2^T K B_2 on the free unknowns [SI], for inspection (paper eq. 10, 38)."""
@@ -244,10 +178,8 @@ class Model:
         _, flat = self.residual_and_tangent(q, load_factor)
         b, n = self.pattern.b, self.n
         bands = flat.reshape(3 * b + 1, n)[b:]
-        full = sparse.dia_array((bands, np.arange(b, -2 * b - 1, -1)), shape=(n, n)).tocsr()
+        full = sparse.dia_array((bands, np.arange(b, -b - 1, -1)), shape=(n, n)).tocsr()
         return (self.boundary_matrix().T @ full @ self.boundary_matrix()).tocsr()
-
-    # --- the paper's matrices, for inspection only --------------------------------------------------------
 
     def connectivity_matrix(self, rod: int, element: int) -> sparse.csr_array:
         """B_1 (unknowns of the element, n) of paper eq. 10: e = B_1 q."""
@@ -280,23 +212,6 @@ class Model:
             values += list(basis[i, j])
             count += basis.shape[1]
         return sparse.csr_array((values, (rows, columns)), shape=(self.n, count))
-
-    def _timed(self, name: str) -> _Timer:
-        return _Timer(self.counters, name)
-
-
-class _Timer:
-    """Counts one call of an effect and its time."""
-
-    def __init__(self, counters: Counters, name: str) -> None:
-        self.counters, self.name = counters, name
-
-    def __enter__(self) -> None:
-        self.started = time.perf_counter()
-
-    def __exit__(self, *_: object) -> None:
-        self.counters.calls[self.name] += 1
-        self.counters.seconds[self.name] += time.perf_counter() - self.started
 
 
 def _blocks(q: Floats, dofs: NDArray[np.intp]) -> Floats:

@@ -9,6 +9,7 @@ the load.
 from __future__ import annotations
 
 import enum
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,13 +23,11 @@ Floats = NDArray[np.float64]
 # A step of this many rod lengths has left every basin of attraction worth waiting for.
 DIVERGED_STEP = 1e3
 # Good runs halve their step each time once the first few linear steps have stretched the rod; from this
-# iteration on,
-# a step of over a rod length that is not falling says that this start leads nowhere.
+# iteration on, a step of over a rod length that is not falling says that this start leads nowhere.
 PATIENCE = 7
 FALLING = 0.7
-# Residual that rounding leaves, in units of eps sum_j |K_ij| |q_j|: positions and slopes are stored to eps
-# / 2, and
-# strain products, stress and force add a few roundings each. Measured 0.02 to 0.4 over the hard cases.
+# Residual that rounding leaves, in units of eps sum_j |K_ij| |q_j|: positions and slopes are stored to eps/2;
+# strain products, stress and force add a few roundings each. Measured 0.02 to 0.6 over the hard cases.
 FLOOR_FACTOR = 1.0
 # Steps that stay below the tolerance while the residual does not fall: stuck above the floor.
 STAGNATION = 4
@@ -43,6 +42,7 @@ class Outcome(enum.Enum):
     NOT_FINITE = "a number was not finite"
     SINGULAR = "tangent is singular"
     STAGNATED = "residual stagnates above its floor"
+    OUT_OF_TIME = "time limit reached"
 
 
 @dataclass(frozen=True)
@@ -73,28 +73,34 @@ class NewtonResult:
         return self.outcome is Outcome.CONVERGED
 
 
-def newton(model: Model, q: Floats, load_factor: float, max_iterations: int) -> NewtonResult:
-    """Solve g(q) = 0 at a load factor from the start q (n,).
+def newton(
+    model: Model, q: Floats, load_factor: float, max_iterations: int, deadline: float = np.inf
+) -> NewtonResult:
+    """Solve g(q) = 0 at a load factor from the start q (n,), brought onto the supports first.
 
     One linear solve is one iteration. Returns the last iterate whatever happened; a failure is an `Outcome`.
+    `deadline` is a value of time.perf_counter().
     """
     options = model.scene.solver
+    q = model.admissible(q)
     result = NewtonResult(Outcome.TOO_MANY, q, np.inf)
     q_previous: Floats | None = None
     quiet = 0
     for iteration in range(1, max_iterations + 1):
+        if time.perf_counter() > deadline:
+            return _ended(result, Outcome.OUT_OF_TIME)
         try:
             forces, flat = model.residual_and_tangent(q, load_factor, q_previous)
         except np.linalg.LinAlgError:  # a section collapsed to a line: its rotation is undefined
             return _ended(result, Outcome.NOT_FINITE)
-        g = model.project(forces.at(load_factor))
+        g = model.system.project(forces.at(load_factor))
         if not _measure(model, result, g) or not np.isfinite(flat).all():
             return _ended(result, Outcome.NOT_FINITE)
         try:
-            result.lu = model.factorise(flat)
+            result.lu = model.system.factorise(flat)
         except SingularMatrixError:
             return _ended(result, Outcome.SINGULAR)
-        dq = model.solve_linear(result.lu, -g)
+        dq = model.system.solve(result.lu, -g)
         step = float(np.max(np.abs(dq / model.unit), initial=0.0))
         result.history.append(Iteration(load_factor, iteration, result.residual, step))
         if not np.isfinite(step):
@@ -104,9 +110,9 @@ def newton(model: Model, q: Floats, load_factor: float, max_iterations: int) -> 
             return _ended(result, Outcome.DIVERGED)
         q_previous, q = q, q + dq
         if step <= options.tolerance:
-            result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.row_sum(flat, q)
+            result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(flat, q)
             forces = model.residual(q)
-            finite = _measure(model, result, model.project(forces.at(load_factor)))
+            finite = _measure(model, result, model.system.project(forces.at(load_factor)))
             if finite and result.residual <= max(options.tolerance, result.floor):
                 result.q = q
                 return _ended(result, Outcome.CONVERGED)

@@ -44,7 +44,7 @@ def moment_start(model: Model, load_factor: float) -> Floats | None:
     q = model.q0.copy()
     found = False
     for rod in model.rods:
-        moments = [m for m in model.scene.moments if m.rod == rod.rod.name]
+        moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         supports = rod.rod.supports
         held = len(supports) == 1 and supports[0].kind != "pin" and supports[0].at == 0.0
         fixed = all(m.direction == "fixed" for m in moments)
@@ -127,7 +127,9 @@ def _compliance(rod: RodModel) -> Floats:
     """Inverse of diag-block(GJ, bending) in section axes (3, 3): curvature (twist, y, z) per moment."""
     material, second = rod.rod.material, rod.rod.section.second_moments
     stiffness = np.zeros((3, 3))
-    stiffness[0, 0] = material.lame_mu * np.trace(second)
+    # gamma_xy carries k_y and works on z, gamma_xz carries k_z and works on y.
+    k_y, k_z = rod.rod.shear_factors
+    stiffness[0, 0] = material.lame_mu * (k_y * second[1, 1] + k_z * second[0, 0])
     # Moment about y from curvature about y: E int z^2, coupling -E int y z.
     stiffness[1:, 1:] = material.young_modulus * np.array(
         [[second[1, 1], -second[0, 1]], [-second[0, 1], second[0, 0]]]
@@ -145,18 +147,15 @@ class Path:
 
     def add(self, load_factor: float, q: Floats) -> None:
         """Append an equilibrium; only the last three are kept."""
-        local = [to_local(rod, self._of(rod, q)) for rod in self.model.rods]
+        local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
         self.points = [*self.points[-2:], (load_factor, local, q)]
-
-    def _of(self, rod: RodModel, q: Floats) -> Floats:
-        return q[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
 
     def from_tangent(self, dq: Floats) -> Floats:
         """Start after the increment dq (n,) of the linear problem, taken in local measures."""
         _, now, q = self.points[-1]
         small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
         rates = [
-            (to_local(rod, self._of(rod, q + small * dq)) + here * -1.0) * (1.0 / small)
+            (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
             for rod, here in zip(self.model.rods, now, strict=True)
         ]
         return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
@@ -188,7 +187,7 @@ class Path:
             if len(supports) != 1 or supports[0].kind == "pin":
                 continue
             node = int(np.argmin(np.abs(rod.mesh.node_x - supports[0].at * rod.rod.length)))
-            now = self._of(rod, self.points[-1][2])
+            now = rod.nodal(self.points[-1][2])
             rotation = node_rotations(rod, now)[node]
             position = now[node, rod.element.vectors.index(R)]
             q[rod.first_dof : rod.first_dof + rod.size] = from_local(

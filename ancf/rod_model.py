@@ -77,6 +77,12 @@ class RodModel:
         return self.element.full_points if rule == "full" else int(rule)
 
     @cached_property
+    def axial_weights(self) -> Floats:
+        """Weights (n_el, points) [m] of the axial integration points."""
+        _, weight = gauss(self.axial_points)
+        return 0.5 * self.mesh.h[:, None] * weight
+
+    @cached_property
     def axial_abscissae(self) -> Floats:
         """Reference arc lengths (n_el, points) [m] of the axial integration points."""
         xi, _ = gauss(self.axial_points)
@@ -131,11 +137,17 @@ class RodModel:
             self.element, rod.section, rod.material, rod.formulation, rod.shear_factors
         )
 
-    def section_point(self, at: float) -> SectionPoint:
-        """The section at the fraction `at` of the reference length."""
+    def section_point(self, at: float, before: bool = False) -> SectionPoint:
+        """The section at the fraction `at` of the reference length.
+
+        On an element boundary the element after it is taken, or the one `before`; only r_x can differ.
+        """
         x = at * self.rod.length
         breaks = self.mesh.breaks
-        index = int(np.clip(np.searchsorted(breaks, x, side="right") - 1, 0, len(breaks) - 2))
+        found = np.searchsorted(
+            breaks, x * (1.0 - 1e-12) if before else x, side="left" if before else "right"
+        )
+        index = int(np.clip(found - 1, 0, len(breaks) - 2))
         h = breaks[index + 1] - breaks[index]
         xi = np.clip(np.array([2.0 * (x - breaks[index]) / h - 1.0]), -1.0, 1.0)
         N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
@@ -156,17 +168,22 @@ class RodModel:
             found.append(NodeSupport(self.first_dof + node * per_node + np.arange(per_node), rows))
         return found
 
+    def nodal(self, q: Floats) -> Floats:
+        """Nodal vectors (n_nodes, vectors, 3) of the rod in the model's coordinates q (n,)."""
+        return q[self.first_dof : self.first_dof + self.size].reshape(self.q0.shape)
+
+    def element_vectors(self, q: Floats) -> Floats:
+        """Nodal vectors per element (n_el, nodal, 3) in the model's coordinates q (n,)."""
+        return q[self.dofs].reshape(len(self.dofs), -1, 3)
+
+    def generalised(self, q: Floats) -> Floats:
+        """Generalised vectors v (n_el, points, generalised vectors, 3) at the axial points."""
+        return self.elastic.generalised(self.element_vectors(q))
+
     @property
     def bending_stiffness(self) -> float:
         """Smaller principal E I [N m2], the scale of forces, moments and energy."""
-        smallest = np.linalg.eigvalsh(self.rod.section.second_moments)[0]
-        return float(self.rod.material.young_modulus * smallest)
-
-    @property
-    def radius_of_gyration(self) -> float:
-        """sqrt(I / A) of the weaker bending axis [m]."""
-        smallest = np.linalg.eigvalsh(self.rod.section.second_moments)[0]
-        return float(np.sqrt(smallest / self.rod.section.area))
+        return self.rod.material.young_modulus * self.rod.section.weaker_second_moment
 
 
 def _relative(element: Element, e: Floats) -> Floats:
@@ -184,7 +201,9 @@ def make_rod_model(scene: Scene, rod: Rod, first_dof: int) -> RodModel:
     """
     element = ELEMENTS[rod.element]
     supports = [support.at for support in rod.supports]
-    loads = [load.at for load in (*scene.moments, *scene.forces) if load.rod == rod.name]
+    # A load of zero magnitude must not even move the mesh.
+    acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
+    loads = [load.at for load in acting]
     try:
         breaks = element_breaks(rod.length, rod.elements, [*supports, *loads])
     except ValueError:

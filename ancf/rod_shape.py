@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import R_Y, R_Z, R
+from ancf.elements import R
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, log, section_rotation
 from ancf.section_energy import director_weights
@@ -41,17 +41,12 @@ class LocalShape:
         return LocalShape(self.theta * factor, self.chord * factor, self.vectors * factor)
 
 
-def nodal_weights(model: RodModel) -> Floats:
-    """Section-rotation weights at the nodes (n_nodes, 3, 3); nodal vectors serve as directors there."""
-    directors = [R, R_Y, R_Z]
-    columns = [model.element.vectors.index(order) for order in directors]
-    return director_weights(model.element, model.rod.section, model.q0[:, columns])
-
-
 def node_rotations(model: RodModel, q: Floats) -> Floats:
     """Section rotations (n_nodes, 3, 3) relative to the reference at the nodes of q (n_nodes, vectors, 3)."""
-    columns = [model.element.vectors.index(order) for order in (R, R_Y, R_Z)]
-    return section_rotation(q[:, columns], nodal_weights(model)).R
+    element = model.element
+    columns = [element.vectors.index((0, j, k)) for j, k in element.directors]
+    W = director_weights(element, model.rod.section, model.q0[:, columns])
+    return section_rotation(q[:, columns], W).R
 
 
 def to_local(model: RodModel, q: Floats) -> LocalShape:

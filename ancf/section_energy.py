@@ -34,11 +34,14 @@ from ancf.sections import Section
 
 Floats = NDArray[np.float64]
 
-# Straight: strains are quadratic in (y, z) at most for linear sections, so their products have degree 4.
-STRAIGHT_DEGREE = 4
 # Curved: J_0^-1 and det J_0 make the integrand a quotient 1/(1 - kappa y)^3; degree 16 leaves 1e-12 at
 # kappa R = 0.1.
 CURVED_DEGREE = 16
+
+
+def quadrature_degree(element: Element, rod: Rod) -> int:
+    """Degree in (y, z) that the section quadrature of a rod has to integrate."""
+    return CURVED_DEGREE if np.any(rod.curvature) else element.section_degree
 
 
 def pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -65,17 +68,12 @@ def generalised_shape(element: Element, xi: Floats, h: float) -> Floats:
 
 def section_frame(element: Element, v0: Floats) -> Floats:
     """Section frame R_0 (3, 3) of the reference vectors v0 (generalised vectors, 3)."""
-    r_y, r_z = _linear_directors(element, v0)
+    count = len(element.directors)
+    r_y, r_z = v0[count + element.y_director - 1], v0[count + element.z_director - 1]
     normal = np.cross(r_y, r_z)
     frame = np.column_stack([normal / np.linalg.norm(normal), r_y, r_z])
     left, _, right = np.linalg.svd(frame)
     return left @ right
-
-
-def _linear_directors(element: Element, v0: Floats) -> tuple[Floats, Floats]:
-    count = len(element.directors)
-    y_index, z_index = element.directors.index((1, 0)), element.directors.index((0, 1))
-    return v0[count + y_index - 1], v0[count + z_index - 1]
 
 
 def local_gradient(element: Element, v0: Floats, y: Floats, z: Floats) -> tuple[Floats, Floats]:
@@ -124,7 +122,7 @@ def section_stiffness(element: Element, rod: Rod, v0: Floats) -> Floats:
     ----------
     v0 : reference generalised vectors (generalised vectors, 3) at the point
     """
-    degree = CURVED_DEGREE if np.any(rod.curvature) else STRAIGHT_DEGREE
+    degree = quadrature_degree(element, rod)
     return _stiffness(element, rod.section, rod.material, rod.formulation, rod.shear_factors, v0, degree)
 
 
@@ -140,9 +138,9 @@ def straight_section_stiffness(
     count = len(element.directors)
     v0 = np.zeros((2 * count - 1, 3))
     v0[0] = (1.0, 0.0, 0.0)
-    for axis, monomial in ((1, (1, 0)), (2, (0, 1))):
-        v0[count + element.directors.index(monomial) - 1, axis] = 1.0
-    H = _stiffness(element, section, material, formulation, shear_factors, v0, STRAIGHT_DEGREE)
+    v0[count + element.y_director - 1] = (0.0, 1.0, 0.0)
+    v0[count + element.z_director - 1] = (0.0, 0.0, 1.0)
+    H = _stiffness(element, section, material, formulation, shear_factors, v0, element.section_degree)
     H.setflags(write=False)
     return H
 
@@ -178,9 +176,9 @@ def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
 
     d0 (..., directors, 3) are the reference directors, whose (1, 0) and (0, 1) rows are E_y and E_z.
     """
-    y, z, weight = section.quadrature(STRAIGHT_DEGREE)
+    y, z, weight = section.quadrature(element.section_degree)
     phi, _, _ = element.section_monomials(y, z)
     moments = np.einsum("n,nk,nb->kb", weight, phi, np.column_stack([y, z]))
     moments[0] = 0.0  # the axis runs through the centroid; remove the rounding
-    E = np.stack([d0[..., element.directors.index(m), :] for m in ((1, 0), (0, 1))], axis=-2)
+    E = d0[..., [element.y_director, element.z_director], :]
     return np.einsum("kb,...bi->...ki", moments, E)

@@ -50,6 +50,16 @@ class Section(ABC):
         return np.array([[self.moment(2, 0), self.moment(1, 1)], [self.moment(1, 1), self.moment(0, 2)]])
 
     @cached_property
+    def weaker_second_moment(self) -> float:
+        """Smaller principal second moment [m4]."""
+        return float(np.linalg.eigvalsh(self.second_moments)[0])
+
+    @cached_property
+    def radius_of_gyration(self) -> float:
+        """sqrt(I / A) of the weaker bending axis [m]."""
+        return float(np.sqrt(self.weaker_second_moment / self.area))
+
+    @cached_property
     def outer_radius(self) -> float:
         """Largest distance of a boundary point from the axis [m]."""
         return float(np.max(np.hypot(*self.outline().T)))

@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.errors import Message
+from ancf.mesh import reference_axis
+from ancf.quadrature import gauss
 from ancf.rotation import section_rotation
+from ancf.section_energy import director_weights
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -74,6 +77,7 @@ class Solution:
     reason: str
     message: Message | None
     load_factor: float
+    determinant_sign: int  # of the tangent; -1 says that an odd number of its eigenvalues is negative
     steps: int
     cutbacks: int
     residual: float
@@ -81,7 +85,7 @@ class Solution:
     history: list[Iteration]
     seconds: dict[str, float]
     effects: dict[str, dict[str, float]]
-    reductions: list[str] = field(default_factory=list)
+    reductions: list[str] = field(default_factory=list)  # none in this version
 
     @cached_property
     def warnings(self) -> list[str]:
@@ -108,16 +112,13 @@ class Solution:
                 return rod
         raise KeyError(f"the scene has no rod named {name!r}; it has {[r.rod.name for r in self.model.rods]}")
 
-    def _nodal(self, rod: RodModel) -> Floats:
-        return self.q[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
-
     def pose(self, name: str | None, at: float) -> Pose:
         """Pose of the section at a fraction of the reference length; the first rod if `name` is None."""
         rod = self._rod(name)
         point = rod.section_point(at)
         e = self.q[point.dofs].reshape(-1, 3)
         d = point.N @ e
-        y, z = (rod.element.directors.index(m) for m in ((1, 0), (0, 1)))
+        y, z = rod.element.y_director, rod.element.z_director
         rotation = section_rotation(d, point.W).R
         return Pose(d[0] + rod.rod.base.position, point.N_x[0] @ e, d[y], d[z], rotation)
 
@@ -128,12 +129,12 @@ class Solution:
     def nodes(self, name: str | None = None) -> Floats:
         """Absolute positions of the nodes (n_nodes, 3) [m]."""
         rod = self._rod(name)
-        return self._nodal(rod)[:, 0] + rod.rod.base.position
+        return rod.nodal(self.q)[:, 0] + rod.rod.base.position
 
     def displaced(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
         """Absolute positions (..., 3) [m] of material points (at, y, z), broadcast against each other."""
         rod = self._rod(name)
-        return _material_points(rod, self._nodal(rod), at, y, z)
+        return _material_points(rod, rod.nodal(self.q), at, y, z)
 
     def reference(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
         """Reference positions (..., 3) [m] of the same material points."""
@@ -143,31 +144,42 @@ class Solution:
     def strain_energy(self, name: str | None = None) -> float:
         """Strain energy of a rod [J]."""
         rod = self._rod(name)
-        return rod.elastic.energy(self.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
+        return rod.elastic.energy(rod.element_vectors(self.q))
 
     @cached_property
     def _support_force(self) -> Floats:
         """Generalised force (n,) that the supports exert."""
         g = self.model.residual(self.q).at(self.load_factor)
-        return g - self.model.project(g)
+        return g - self.model.system.project(g)
 
     def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
         """Force (3,) [N] and moment (3,) [N m] about the rod's base exerted by all its supports."""
         rod = self._rod(name)
-        Q = self._support_force[rod.first_dof : rod.first_dof + rod.size].reshape(rod.q0.shape)
-        return Q[:, 0].sum(axis=0), np.cross(self._nodal(rod), Q).sum(axis=(0, 1))
+        Q = rod.nodal(self._support_force)
+        return Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
 
     def section_forces(self, name: str | None = None) -> SectionForces:
         """Section force and moment along the rod."""
         rod = self._rod(name)
-        v = rod.elastic.generalised(self.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
+        v = rod.generalised(self.q)
         count = len(rod.element.directors)
-        _, weight = _gauss_weights(rod)
-        Q_v = rod.elastic.vector_force(v) / weight[..., None, None]
+        Q_v = rod.elastic.vector_force(v) / rod.axial_weights[..., None, None]
         # d_k x dU/dd_k'; the axis itself (k = 0) carries force, not moment.
         moment = np.cross(v[:, :, count:], Q_v[:, :, 1:count]).sum(axis=2)
         x = rod.axial_abscissae.ravel()
         return SectionForces(x, x / rod.rod.length, Q_v[:, :, 0].reshape(-1, 3), moment.reshape(-1, 3))
+
+    def section_axes(self, name: str | None = None) -> Floats:
+        """Axes (m, 3, 3) of the turned sections at the axial integration points, columns x, y, z in SCS."""
+        rod = self._rod(name)
+        xi, _ = gauss(rod.axial_points)
+        first, kind = rod.element_kinds
+        N = np.array([rod.element.shape(xi, float(rod.mesh.h[index])) for index in first])[kind]
+        d0 = N @ rod.e0[:, None]
+        d = N @ rod.element_vectors(self.q)[:, None]
+        rotation = section_rotation(d, director_weights(rod.element, rod.rod.section, d0)).R
+        _, frame = reference_axis(rod.axial_abscissae.ravel(), rod.rod.curvature)
+        return rotation.reshape(-1, 3, 3) @ rod.rod.base.rotation @ frame
 
     def tangent(self) -> sparse.csr_array:
         """Tangent dg/dq on the free unknowns [SI units], sparse."""
@@ -220,13 +232,6 @@ class Solution:
             "warnings": self.warnings,
             "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
         }
-
-
-def _gauss_weights(rod: RodModel) -> tuple[Floats, Floats]:
-    from ancf.quadrature import gauss
-
-    xi, weight = gauss(rod.axial_points)
-    return xi, 0.5 * rod.mesh.h[:, None] * weight
 
 
 def _material_points(rod: RodModel, nodal: Floats, at: Floats, y: Floats, z: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import zipfile
 from pathlib import Path
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ancf.errors import InputError, Message
-from ancf.solver import solve
+from ancf.solver import prepare, solve
 
 if TYPE_CHECKING:
+    from ancf.model import Model
     from ancf.scene import Scene
     from ancf.solution import Solution
 
@@ -31,7 +33,7 @@ def save_state(path: str | os.PathLike[str], solution: Solution) -> None:
                 q=solution.q,
                 load_factor=solution.load_factor,
                 status=str(solution.status),
-                layout=_layout(solution.scene),
+                layout=_layout(solution.model),
             )
         os.replace(temporary, target)
     except BaseException:
@@ -47,26 +49,33 @@ def resume(scene: Scene, path: str | os.PathLike[str]) -> Solution:
     """
     try:
         with np.load(path, allow_pickle=False) as data:
-            schema, q, layout = int(data["schema"]), data["q"], str(data["layout"])
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+            schema, q, layout = int(data["schema"]), np.asarray(data["q"], float), str(data["layout"])
+    except (OSError, EOFError, ValueError, KeyError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         raise InputError(
             Message(
-                "The state cannot be read.", str(path), str(error), "not a state file, or cut short",
+                "The state cannot be read.",
+                str(path),
+                str(error) or type(error).__name__,
+                "not a state file, or cut short",
                 "solve the scene again and save its state",
             )
-        ) from error  # fmt: skip
-    if schema != SCHEMA or layout != _layout(scene):
+        ) from error
+    model = prepare(scene)
+    if schema != SCHEMA or layout != _layout(model) or q.shape != (model.n,) or not np.isfinite(q).all():
         raise InputError(
             Message(
                 "The state does not belong to this scene.",
                 str(path),
-                f"state: {layout}; scene: {_layout(scene)}",
-                "rods, elements or element types differ",
+                f"state: {layout}; scene: {_layout(model)}",
+                "rods, elements, meshes, bases or reference shapes differ",
                 "resume only scenes that differ in loads, materials or sections",
             )
         )
-    return solve(scene, start=np.array(q, dtype=float))
+    return solve(scene, start=q)
 
 
-def _layout(scene: Scene) -> str:
-    return "; ".join(f"{rod.name}: {rod.elements} x {rod.element}" for rod in scene.rods)
+def _layout(model: Model) -> str:
+    """What nodal coordinates mean: rods, elements and reference positions, by a digest of the latter."""
+    rods = "; ".join(f"{rod.rod.name}: {rod.rod.elements} x {rod.element.name}" for rod in model.rods)
+    reference = np.round(model.q0 / model.unit, 9) + 0.0  # + 0.0: no negative zeros
+    return f"{rods}; reference {hashlib.sha256(reference.tobytes()).hexdigest()[:12]}"

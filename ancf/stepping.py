@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.failure import smallest_determinant, status_of_failure
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.predictor import Path, moment_start
@@ -29,13 +30,6 @@ SMALLEST_STEP = 1e-6  # of the full load
 FIRST_TURN = (
     1.0  # the linear solution of the first load step may turn or move sections by this (rad, lengths)
 )
-# dq / d load factor grows like 1 / sqrt(distance) towards a limit point; with steps down to 1e-6 by far
-# more than this.
-LIMIT_POINT_RATE = 20.0
-# Uniaxial Saint Venant-Kirchhoff, P = E (s^3 - s) / 2, carries no more compression below s = 1/sqrt(3) =
-# 0.577;
-# a rod within 3 % of it when the search ends has met that limit.
-UNSTABLE_STRETCH = 0.595
 
 
 @dataclass
@@ -53,6 +47,8 @@ class Trace:
     failure: NewtonResult | None = None  # the Newton iteration that ended the search
     tried: float = 0.0  # load factor of that iteration
     rates: list[float] = field(default_factory=list)  # |dq / d load factor| at the equilibria of the walk
+    budget_used: bool = False  # max_steps
+    determinant_sign: int = 1  # of the tangent at the last equilibrium; -1 is an unstable one
 
     @property
     def iterations(self) -> int:
@@ -75,13 +71,13 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
         bent = moment_start(model, 1.0)
         direct.append(model.q0 if bent is None else bent)
     for q in direct:
-        result = newton(model, q, 1.0, DIRECT_ITERATIONS)
+        result = newton(model, q, 1.0, DIRECT_ITERATIONS, deadline)
         trace.history += result.history
         if _accept(model, trace, result, 1.0):
             trace.status = Status.CONVERGED
             return trace
         trace.cutbacks += 1
-        if time.perf_counter() > deadline:
+        if result.outcome is Outcome.OUT_OF_TIME:
             trace.status = Status.OUT_OF_TIME
             return trace
     return _walk(model, trace, deadline)
@@ -89,9 +85,10 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
 
 def _accept(model: Model, trace: Trace, result: NewtonResult, load_factor: float) -> bool:
     """Take over a converged step whose configuration is not turned inside out."""
-    if result.converged and inverted_at(model, result.q) is None:
-        trace.q, trace.load_factor, trace.residual = result.q, load_factor, result.residual
-        trace.floor = result.floor
+    if result.converged and smallest_determinant(model, result.q)[2] > 0.0:
+        trace.q, trace.load_factor = result.q, load_factor
+        trace.residual, trace.floor = result.residual, result.floor
+        trace.determinant_sign = 1 if result.lu is None else result.lu.determinant_sign
         trace.steps += 1
         return True
     trace.failure, trace.tried = result, load_factor
@@ -104,15 +101,13 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
     path = Path(model, model.q0)
     step = _first_step(model)
     while trace.load_factor < 1.0:
-        if trace.steps + trace.cutbacks >= options.max_steps:
-            return trace
-        if time.perf_counter() > deadline:
-            trace.status = Status.OUT_OF_TIME
-            return trace
         target = trace.load_factor + step
         if target > 1.0 - 1e-9:
             target = 1.0
-        result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS)
+        if trace.steps + trace.cutbacks >= options.max_steps:
+            trace.budget_used, trace.tried = True, target
+            return trace
+        result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS, deadline)
         trace.history += result.history
         if _accept(model, trace, result, target):
             path.add(target, result.q)
@@ -122,8 +117,8 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             continue
         trace.cutbacks += 1
         step = (target - trace.load_factor) * CUT
-        if step < SMALLEST_STEP:
-            trace.status = _reason(model, trace, result)
+        if step < SMALLEST_STEP or result.outcome is Outcome.OUT_OF_TIME:
+            trace.status = status_of_failure(model, trace, result)
             return trace
     trace.status = Status.CONVERGED
     return trace
@@ -133,7 +128,7 @@ def _first_step(model: Model) -> float:
     """First load step: the linear solution may turn the sections by about a radian."""
     forces, flat = model.residual_and_tangent(model.q0, 0.0)
     try:
-        dq = model.solve_linear(model.factorise(flat), forces.Q_ext)
+        dq = model.system.solve(model.system.factorise(flat), forces.Q_ext)
     except ArithmeticError:
         return 1.0
     largest = float(np.max(np.abs(dq / model.unit), initial=0.0))
@@ -145,50 +140,15 @@ def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
         return path.extrapolate(target)
     forces, flat = model.residual_and_tangent(trace.q, trace.load_factor)
     try:
-        dq = model.solve_linear(model.factorise(flat), -model.project(forces.at(target)))
+        dq = model.system.solve(model.system.factorise(flat), -forces.at(target))
     except ArithmeticError:
         return trace.q
     return path.from_tangent(dq) if np.isfinite(dq).all() else trace.q
-
-
-def inverted_at(model: Model, q: Floats) -> tuple[str, int, float] | None:
-    """Rod, element and det of the first axial point whose position gradient is not right-handed, or None."""
-    for rod in model.rods:
-        v = rod.elastic.generalised(q[rod.dofs].reshape(len(rod.dofs), -1, 3))
-        count = len(rod.element.directors)
-        y, z = (count + rod.element.directors.index(m) - 1 for m in ((1, 0), (0, 1)))
-        determinant = np.einsum("epi,epi->ep", v[:, :, 0], np.cross(v[:, :, y], v[:, :, z]))
-        worst = np.unravel_index(np.argmin(determinant), determinant.shape)
-        if determinant[worst] <= 0.0:
-            return rod.rod.name, int(worst[0]), float(determinant[worst])
-    return None
 
 
 def _rate(model: Model, result: NewtonResult) -> float:
     """Largest dimensionless |dq / d load factor| by the last factorisation."""
     if result.lu is None:
         return 0.0
-    dq = model.solve_linear(result.lu, model.residual(result.q).Q_ext)
+    dq = model.system.solve(result.lu, model.residual(result.q).Q_ext)
     return float(np.max(np.abs(dq / model.unit), initial=0.0))
-
-
-def _reason(model: Model, trace: Trace, result: NewtonResult) -> Status:
-    """Status of a search that ended at the smallest step."""
-    if result.outcome is Outcome.NOT_FINITE:
-        return Status.NOT_FINITE
-    if result.converged:  # the only reason to refuse a converged step
-        return Status.INVERTED_ELEMENT
-    if smallest_stretch(model, trace.q) < UNSTABLE_STRETCH:
-        return Status.MATERIAL_UNSTABLE
-    if len(trace.rates) > 2 and trace.rates[-1] > LIMIT_POINT_RATE * float(np.median(trace.rates)):
-        return Status.LIMIT_POINT
-    return Status.NOT_CONVERGED
-
-
-def smallest_stretch(model: Model, q: Floats) -> float:
-    """Smallest axial stretch |r_x| at the axial points."""
-    stretch = [
-        np.linalg.norm(rod.elastic.generalised(q[rod.dofs].reshape(len(rod.dofs), -1, 3))[:, :, 0], axis=-1)
-        for rod in model.rods
-    ]
-    return float(min(s.min() for s in stretch))

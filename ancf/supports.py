@@ -49,10 +49,9 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
 
     Parameters
     ----------
-    kind : ``clamp`` fixes every nodal vector; ``pin`` fixes r; ``free_section_clamp`` fixes r, the plane
-    of the
-        section (r_y . x = r_z . x = 0) and its orientation (r_y . z = r_z . y), and leaves it free to
-        contract
+    kind : ``clamp`` fixes every nodal vector; ``pin`` fixes r; ``free_section_clamp`` fixes r, the plane of
+        the section (r_y . x = r_z . x = 0, likewise the higher section vectors) and its orientation
+        (r_y . z = r_z . y), and leaves it free to contract
     frame : section frame (3, 3) of the reference at the support, columns x, y, z in SCS
     """
     count = len(element.vectors)
@@ -70,5 +69,6 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
         return np.array(position)
     if kind == "free_section_clamp":
         x, y, z = frame.T
-        return np.array([*position, row((R_Y, x)), row((R_Z, x)), row((R_Y, z), (R_Z, -y))])
+        higher = [row((order, x)) for order in element.vectors if order[0] == 0 and sum(order) > 1]
+        return np.array([*position, row((R_Y, x)), row((R_Z, x)), row((R_Y, z), (R_Z, -y)), *higher])
     raise ValueError(f"unknown support kind {kind!r}")

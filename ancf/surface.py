@@ -77,8 +77,7 @@ def _strain_and_stress(
     solution: Solution, rod: RodModel, outline: Floats, chosen: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
     """E_gl and S_pk2 (chosen, points, 6), Voigt order, at some of the axial points; the axis comes last."""
-    nodal = solution.q[rod.dofs].reshape(len(rod.dofs), -1, 3)
-    products = rod.elastic.gamma(rod.elastic.generalised(nodal))
+    products = rod.elastic.gamma(rod.generalised(solution.q))
     products = products.reshape(-1, products.shape[-1])[chosen]
     v0 = np.broadcast_to(rod.elastic.v0, (*rod.axial_abscissae.shape, *rod.elastic.v0.shape[2:]))
     v0 = v0.reshape(-1, *v0.shape[2:])[chosen]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ancf.rotation import section_rotation
+from ancf.failure import LARGEST_TURN, element_turns
 from ancf.section_energy import local_gradient, strain_matrix
 from ancf.sections import Annulus, Circle
 
@@ -25,6 +25,11 @@ TORSION_SHARE = 1e-3
 def validity_warnings(solution: Solution) -> list[str]:
     """Warnings of a solution, one sentence each with the number that caused it."""
     found = []
+    if solution.determinant_sign < 0:
+        found.append(
+            "this equilibrium is unstable: its tangent has an odd number of negative eigenvalues, as beyond a "
+            "buckling load (an even number would go unnoticed)"
+        )
     for rod in solution.model.rods:
         found += [f"rod {rod.rod.name!r}: {text}" for text in _of_rod(solution, rod)]
     return found
@@ -44,14 +49,20 @@ def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
             f"axial_rule {rod.axial_points} is below the {rod.element.axial_points} points that element "
             f"{rod.element.name} needs: zero-energy modes may spoil the answer"
         )
+    turn = float(element_turns(rod, solution.q).max())
+    if turn > LARGEST_TURN:
+        found.append(
+            f"elements are too long for this shape: one turns by {turn:.2g} rad between its ends (above "
+            f"{LARGEST_TURN:g}); use at least {turn / (0.5 * LARGEST_TURN):.0f} times as many"
+        )
     strain = largest_strain(solution, rod)
     if strain > STRAIN_LIMIT:
         found.append(
             f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff "
             "and a linear section depart from a real solid there, in bending by 1.4 times the strain squared"
         )
-    slenderness = spec.length / spec.elements / rod.radius_of_gyration
-    locks = rod.element.name == "3243" or rod.axial_points > 2
+    slenderness = spec.length / spec.elements / rod.rod.section.radius_of_gyration
+    locks = rod.axial_points >= rod.element.locks_from
     if locks and slenderness > LOCKING_SLENDERNESS:
         found.append(
             f"{rod.element.name} with {rod.axial_points} axial points locks in bending: element length "
@@ -69,22 +80,27 @@ def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
 
 
 def largest_strain(solution: Solution, rod: RodModel) -> float:
-    """Largest Green-Lagrange strain component at the axial points on the outline of the section."""
-    outline = rod.rod.section.outline(16)
-    v = rod.elastic.generalised(solution.q[rod.dofs].reshape(len(rod.dofs), -1, 3))
-    _, weights = local_gradient(rod.element, rod.elastic.v0[0, 0], outline[:, 0], outline[:, 1])
-    strain = np.einsum("nsp,eap->eans", strain_matrix(weights), rod.elastic.gamma(v))
-    return float(np.max(np.abs(strain)))
+    """Largest Green-Lagrange strain component at the axial points on the outline of the section.
+
+    Sections of elements of one length have the same reference (constant curvature), so one strain matrix per
+    kind of element and axial point serves all.
+    """
+    y, z = rod.rod.section.outline(16).T
+    gamma = rod.elastic.gamma(rod.generalised(solution.q))
+    v0 = rod.elastic.v0
+    first, kind = rod.element_kinds
+    largest = 0.0
+    for row, index in enumerate(first):
+        for point in range(rod.axial_points):
+            _, weights = local_gradient(rod.element, v0[index, point], y, z)
+            strain = gamma[kind == row, point] @ np.concatenate(strain_matrix(weights)).T
+            largest = max(largest, float(np.max(np.abs(strain))))
+    return largest
 
 
 def twist_share(solution: Solution, rod: RodModel) -> float:
     """Share of the twisting moment in the squared section moment, summed over the rod."""
-    forces = solution.section_forces(rod.rod.name)
-    axes = []
-    for at in forces.at:
-        point = rod.section_point(at)
-        R = section_rotation(point.N @ solution.q[point.dofs].reshape(-1, 3), point.W).R
-        axes.append(R @ np.cross(*point.d0[1:3]))
-    along = np.einsum("ni,ni->n", forces.moment, np.array(axes))
-    total = float(np.sum(forces.moment**2))
+    moment = solution.section_forces(rod.rod.name).moment
+    along = np.einsum("ni,ni->n", moment, solution.section_axes(rod.rod.name)[:, :, 0])
+    total = float(np.sum(moment**2))
     return float(np.sum(along**2)) / total if total > 0.0 else 0.0

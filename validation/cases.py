@@ -55,6 +55,7 @@ class Case:
 
     id: str
     row: str
+    family: str  # title that the cases of the file share
     title: str
     problem: str
     loads: str
@@ -123,6 +124,7 @@ def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Cas
     return Case(
         id=entry["id"],
         row=family["row"],
+        family=family["title"],
         problem=family["problem"],
         set=entry.get("set", "quick"),
         required=bool(entry.get("required", True)),

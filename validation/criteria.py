@@ -135,5 +135,5 @@ def overall(required: Iterable[Verdict], cases_run: int, skipped: Iterable[str])
     if cases_run == 0:
         reasons.append("no case was run")
     verdicts = list(required)
-    reasons += [f"{verdicts.count(v)} required {v}" for v in BLOCKING if v in verdicts]
+    reasons += [f"{verdicts.count(v)} required results: {v}" for v in BLOCKING if v in verdicts]
     return (Verdict.FAIL if reasons else Verdict.PASS), reasons

@@ -296,7 +296,8 @@ def assembled(model: RodModel, K_e: Floats) -> Floats:
     dofs = model.dofs - model.first_dof
     K = np.zeros((n, n))
     np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), K_e)
-    scale = 1.0 / np.sqrt(np.diag(K))
+    diagonal = np.diag(K)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     return K * scale * scale[:, None]
 
 
@@ -319,8 +320,8 @@ def moment_resultant(Q: Floats, e: Floats, M: Floats) -> float:
 def moment_power(point: SectionPoint, Q: Floats, e: Floats, de: Floats, M: Floats, definition: str) -> float:
     """Error of the power Q . de = M . w, relative to |M| |w|, with the spin w found without ancf.rotation.
 
-    section: the polar rotation R of A = sum_k d_k W_k^T at e + t de and e - t de, w from their difference
-    extrapolated); vorticity: w = 1/2 curl of the velocity field, from the skew part of J_dot J^-1.
+    section: the polar rotation R of A = sum_k d_k W_k^T at e + t de and e - t de, w from their
+    difference, extrapolated; vorticity: w = 1/2 curl of the velocity field, from the skew part of J_dot J^-1.
     """
     if definition == "section":
         spins = []

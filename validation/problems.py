@@ -49,13 +49,13 @@ def run_case(case: Case) -> CaseResult:
     started = time.perf_counter()
     try:
         outcome = PROBLEMS[case.problem](case)
+        warnings = [] if outcome.solution is None else list(outcome.solution.warnings)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
         return CaseResult(case, Verdict.FAIL, [], None, time.perf_counter() - started, reason)
     findings = hold(case, outcome)
     verdicts = [finding.verdict for finding in findings]
     reason = "" if findings else "nothing was compared"
-    warnings = [] if outcome.solution is None else list(outcome.solution.warnings)
     if case.warning and not any(case.warning in text for text in warnings):
         reason = f"the solver does not warn here: {case.warning!r} is in none of its warnings"
         verdicts.append(Verdict.FAIL)

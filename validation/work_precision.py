@@ -61,7 +61,7 @@ def beam_points(repeats: int = 5, full: bool = False) -> list[WorkPoint]:
             error = float(np.linalg.norm(solution.tip().position - FINE_SOLID_TIP)) / LENGTH
             points.append(
                 WorkPoint(
-                    element, f"{elements} elements", solution.unknowns, error, min(seconds), float(np.median(seconds)),
+                    element, f"{elements} element{'s' if elements > 1 else ''}", solution.unknowns, error, min(seconds), float(np.median(seconds)),
                     repeats, solution.iterations,
                 )
             )  # fmt: skip

@@ -8,7 +8,7 @@ from ancf.effects import DeadLoad, Effect
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
-from ancf.section_energy import CURVED_DEGREE, STRAIGHT_DEGREE, generalised_shape, local_gradient
+from ancf.section_energy import generalised_shape, local_gradient, quadrature_degree
 
 # Shape functions are cubic at most and det J_0 of a curved element adds a few degrees; 5 points reach
 # degree 9.
@@ -26,7 +26,7 @@ def _weight(model: RodModel, acceleration: np.ndarray) -> DeadLoad:
     if rod.material.density is None:  # refused when the scene was read
         raise ValueError(f"rod {rod.name!r} has no density")
     xi, weight = gauss(AXIAL_POINTS)
-    y, z, area = rod.section.quadrature(CURVED_DEGREE if np.any(rod.curvature) else STRAIGHT_DEGREE)
+    y, z, area = rod.section.quadrature(quadrature_degree(element, rod))
     phi, _, _ = element.section_monomials(y, z)
     first, kind = model.element_kinds
     mass = np.zeros((len(first), element.vectors_per_element))

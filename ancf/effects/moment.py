@@ -35,20 +35,27 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     effects: list[Effect] = []
     for load in scene.moments:
         model = models[load.rod]
-        kind = SectionMoment if load.definition == "section" else VorticityMoment
-        linear = [model.element.directors.index(m) for m in ((1, 0), (0, 1))]
-        effects.append(kind(model.section_point(load.at), linear, load.value, load.direction == "follower"))
+        follower = load.direction == "follower"
+        after = model.section_point(load.at)
+        if load.definition == "section":
+            effects.append(SectionMoment(after, load.value, follower))
+            continue
+        linear = [model.element.y_director, model.element.z_director]
+        before = model.section_point(load.at, before=True)
+        if np.array_equal(before.dofs, after.dofs):
+            effects.append(VorticityMoment(after, load.value, follower, linear))
+        else:  # r_x may jump on an element boundary: half the moment on each side
+            effects += [VorticityMoment(side, 0.5 * load.value, follower, linear) for side in (before, after)]
     return effects
 
 
 class _PointMoment:
     name = "moment"
 
-    def __init__(self, point: SectionPoint, linear: list[int], value: Floats, follower: bool) -> None:
+    def __init__(self, point: SectionPoint, value: Floats, follower: bool) -> None:
         self.dofs = point.dofs[None]
         self.point = point
         self.to_directors = np.kron(point.N, np.eye(3))  # (3 directors, 3 nodal)
-        self.linear = linear  # directors that are r_y and r_z on the axis
         self.value = value  # (3,) N m, SCS, at the reference
         self.follower = follower
 
@@ -96,20 +103,21 @@ class SectionMoment(_PointMoment):
 class VorticityMoment(_PointMoment):
     """The paper's moment: conjugate to the vorticity of the material at the point."""
 
-    def _gradient(self) -> Floats:
-        """Map (3, nodal) from nodal vectors to r_x, r_y, r_z on the axis."""
-        return np.stack([self.point.N_x[0], *(self.point.N[k] for k in self.linear)])
+    def __init__(self, point: SectionPoint, value: Floats, follower: bool, linear: list[int]) -> None:
+        super().__init__(point, value, follower)
+        # Map (3, nodal) from nodal vectors to r_x, r_y, r_z on the axis.
+        self.to_gradient = np.stack([point.N_x[0], *(point.N[k] for k in linear)])
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
-        to_gradient = self._gradient()
+        to_gradient = self.to_gradient
         g = np.linalg.inv((to_gradient @ e[0]).T)
         Q = to_gradient.T @ (0.5 * np.cross(self._moment(self._rotation(e)), g))
         return np.asarray(Q[None], dtype=float)
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; unsymmetric."""
-        to_gradient = self._gradient()
+        to_gradient = self.to_gradient
         g = np.linalg.inv((to_gradient @ e[0]).T)
         rotation = self._rotation(e)
         M = self._moment(rotation)

@@ -31,11 +31,11 @@ def element() -> Markup:
     rod = {
         "length": length, "elements": 1, "element": "3243",
         "section": {"shape": "circle", "radius": radius}, "material": {"young_modulus": 1e6, "poisson_ratio": 0.3},
-        "base": {"position": [0.06, 0.08, 0.05], "x_axis": [1, -0.15, 0.25], "y_axis": [0.2, 1, 0]},
+        "base": {"position": [0.16, -0.05, 0.09], "x_axis": [1, -0.15, 0.25], "y_axis": [0.2, 1, 0]},
     }  # fmt: skip
     moment = (np.array([0.25, -0.75, 0.3]) * EI / length).tolist()
     solution = ancf.solve(ancf.scene_from_dict({"rod": [rod], "moment": [{"value": moment}]}))
-    figure = new_figure(7.0, 3.3)
+    figure = new_figure(5.6, 3.4)
     axes = _canvas(figure.add_subplot())
     _tube(axes, solution, "#dcebf4", BLUE)
     origin = np.zeros(3)
@@ -53,7 +53,7 @@ def element() -> Markup:
             fontsize=11,
         )  # fmt: skip
         axes.plot(*end, "o", color=INK, ms=6, zorder=5)
-        axes.annotate(f"node {node}", end, xytext=(-12, -22), textcoords="offset points", fontsize=10, color=INK)
+        axes.annotate(f"node {node}", end, xytext=(-8, -30), textcoords="offset points", fontsize=10, color=INK)
     return to_svg(figure, "fig1", "One beam element with two nodes and the vectors r, r_x, r_y, r_z at each")
 
 
@@ -62,7 +62,7 @@ def scenes(results: Sequence[CaseResult]) -> Markup | None:
     found = [r for r in results if r.case.row == "fig. 2" and r.outcome and r.outcome.solution]
     if not found:
         return None
-    figure = new_figure(7.4, 5.6)
+    figure = new_figure(9.2, 3.1)
     panels = figure.subplots(1, len(found), squeeze=False)[0]
     names = "abcd"
     for k, (panel, result) in enumerate(zip(panels, found, strict=True)):
@@ -78,9 +78,9 @@ def scenes(results: Sequence[CaseResult]) -> Markup | None:
         _frame(axes, before, 0.055, alpha=0.45)
         _frame(axes, tip, 0.075, names=k == 0)
         _wall(axes)
-        axes.set_xlim(-0.16, 0.22)
-        axes.set_ylim(-0.12, 0.50)
-        axes.set_title(f"({names[k]})  {_load_text(solution)}", fontsize=10, loc="left", wrap=True)
+        axes.set_xlim(-0.27, 0.27)
+        axes.set_ylim(-0.05, 0.50)
+        axes.set_title(f"({names[k]})  {_load_text(solution)}", fontsize=10, loc="left")
     return to_svg(figure, "fig2", "Four load cases of an arm along Z: undeformed and deformed, with tip frames")
 
 
@@ -120,15 +120,16 @@ def _canvas(axes: Any) -> Axes:
 
 def _tube(axes: Axes, solution: Solution, fill: str, edge: str, reference: bool = False) -> None:
     """The rod's surface: the outline of its silhouette is the envelope of its section ellipses."""
+    from matplotlib.collections import PolyCollection
+
     radius = solution.scene.rods[0].section.outer_radius
     place = solution.reference if reference else solution.displaced
-    at = np.linspace(0.0, 1.0, 61)
-    angle = 2 * np.pi * np.arange(28) / 28
+    at = np.linspace(0.0, 1.0, 41)
+    angle = 2 * np.pi * np.arange(20) / 20
     y, z = radius * np.cos(angle), radius * np.sin(angle)
     rings = place(None, at[:, None], y[None], z[None]) @ VIEW.T  # type: ignore[arg-type]
-    for first, second in zip(rings[:-1], rings[1:], strict=True):
-        hull = _hull(np.concatenate([first, second]))
-        axes.fill(hull[:, 0], hull[:, 1], color=fill, lw=0.6, ec=fill)
+    pieces = [_hull(np.concatenate(pair)) for pair in zip(rings[:-1], rings[1:], strict=True)]
+    axes.add_collection(PolyCollection(pieces, facecolors=fill, edgecolors=fill, linewidths=0.6))
     axis = place(None, at, 0.0, 0.0) @ VIEW.T  # type: ignore[arg-type]
     axes.plot(axis[:, 0], axis[:, 1], color=edge, lw=1.3, ls=(0, (5, 3)) if reference else "-")
     for ring in (rings[0], rings[-1]):

@@ -12,35 +12,44 @@ from validation.convergence import StudyResult
 from validation.criteria import WARN_MARGIN, Verdict
 from validation.locking import LockingPoint
 from validation.problems import CaseResult
-from validation.report.style import BLUE, FAINT, GREEN, INK, MUTED, ORANGE, VIOLET, new_figure, to_svg
+from validation.report.style import BLUE, FAINT, GREEN, INK, MUTED, ORANGE, RED, VIOLET, new_figure, to_svg
 from validation.work_precision import WorkPoint
 
 MARKS = {"3333": ("o", BLUE, "-"), "3243": ("s", ORANGE, "--"), "solid hex27": ("D", GREEN, ":")}
+DOTS = {
+    Verdict.PASS: ("o", BLUE),
+    Verdict.WARN: ("^", ORANGE),
+    Verdict.KNOWN_LIMIT: ("D", VIOLET),
+    Verdict.FAIL: ("X", RED),
+    Verdict.INCONCLUSIVE: ("X", RED),
+}
 LARGEST_MARGIN = 1e4  # larger ones are drawn at the edge
 
 
 def margins(results: Sequence[CaseResult]) -> Markup:
     """Every reference check as a dot at its margin, by row of the benchmark table."""
-    rows = list(dict.fromkeys(r.case.row for r in results if r.findings))
-    figure = new_figure(7.2, 0.42 + 0.27 * len(rows) + 0.5)
+    judged = [r for r in results if any(f.limit.kind == "reference" for f in r.findings)]
+    titles: dict[str, str] = {}
+    for r in judged:
+        titles.setdefault(r.case.row, r.case.family)
+    rows = list(titles)
+    figure = new_figure(9.2, 0.42 + 0.27 * len(rows) + 0.5)
     axes = figure.add_subplot()
-    for y, row in enumerate(rows):
-        found = [f for r in results if r.case.row == row for f in r.findings if f.limit.kind == "reference"]
-        for f in found:
-            known = f.verdict is Verdict.KNOWN_LIMIT
+    dots: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for result in results:
+        for f in (f for f in result.findings if f.limit.kind == "reference"):
             x = LARGEST_MARGIN if f.margin is None else float(np.clip(f.margin, 1e-3, LARGEST_MARGIN))
-            bad = f.verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE)
-            colour = VIOLET if known else ORANGE if f.verdict is Verdict.WARN else "#B2182B" if bad else BLUE
-            marker = "D" if known else "X" if bad else "^" if f.verdict is Verdict.WARN else "o"
-            axes.plot(x, y, marker, color=colour, alpha=0.75, markersize=6, markeredgewidth=0)
+            dots.setdefault(DOTS[f.verdict], []).append((x, float(rows.index(result.case.row))))
+    for (marker, colour), points in dots.items():
+        axes.plot(*zip(*points, strict=True), marker, color=colour, alpha=0.75, markersize=6, markeredgewidth=0)
     axes.axvline(1.0, color=INK, lw=1.2)
     axes.axvline(WARN_MARGIN, color=MUTED, lw=0.9, ls=(0, (4, 3)))
     axes.set_xscale("log")
     axes.set_xlim(7e-4, LARGEST_MARGIN * 1.8)
-    axes.set_yticks(range(len(rows)), rows)
-    axes.set_ylim(len(rows) - 0.4, -0.9)
-    axes.text(0.93, -0.62, "misses", ha="right", fontsize=9, color=MUTED)
-    axes.text(1.62, -0.62, "meets its limit, with this much to spare", ha="left", fontsize=9, color=MUTED)
+    axes.set_yticks(range(len(rows)), [f"{titles[row]}  ({row})" for row in rows])
+    axes.set_ylim(len(rows) - 0.4, -1.1)
+    axes.text(0.93, -0.75, "misses", ha="right", fontsize=9, color=MUTED)
+    axes.text(1.62, -0.75, "meets its limit, with this much to spare", ha="left", fontsize=9, color=MUTED)
     axes.grid(axis="x")
     axes.set_axisbelow(True)
     axes.set_xlabel("margin = limit / observed deviation")

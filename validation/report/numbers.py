@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from markupsafe import Markup, escape
 
@@ -15,6 +16,8 @@ def number(value: float | None, digits: int = 3) -> Markup:
         return NOTHING
     if value == 0:
         return Markup("0")
+    if value == int(value) and abs(value) < 1e5:  # a count, or a number that happens to be one
+        return Markup(escape(f"{int(value)}".replace("-", "−")))
     exponent = math.floor(math.log10(abs(value)))
     if -3 <= exponent < 5:
         decimals = max(digits - 1 - exponent, 0)
@@ -51,7 +54,30 @@ def margin(value: float | None, kind: str = "reference") -> Markup:
         return Markup("exact")
     if value >= 1000:
         return Markup("&gt;&thinsp;1000")
-    return number(value, 2)
+    return number(value, 3 if value < 10 else 2)
+
+
+SIGNS = (
+    (r"\bnu\b", "ν"), (r"\blambda\b", "λ"), (r"\bkappa\b", "κ"), (r"\btheta\b", "θ"), (r"\bpsi\b", "ψ"),
+    (r"\bpi\b", "π"), (r"sqrt\((\d+)\)", r"√\1"), (r"\^2\b", "²"), (r"\^3\b", "³"), (r"\^4\b", "⁴"), (r"\bL2\b", "L²"),
+    (r"\bm4\b", "m⁴"), (r"\b(\d(?:\.\d+)?)e-0?(\d+)\b", r"\1 × 10⁻\2"),
+)  # fmt: skip
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def pretty(text: str) -> str:
+    """Plain text of a case file with Greek letters and powers as a reader expects them."""
+    for pattern, sign in SIGNS:
+        text = re.sub(pattern, sign, text)
+    return re.sub(r"⁻(\d+)", lambda m: "⁻" + m[1].translate(RAISED), text)
+
+
+def pascal(value: float) -> str:
+    """A modulus in Pa, MPa or GPa."""
+    for size, unit in ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa")):
+        if size <= value < 1e3 * size:
+            return f"{value / size:g} {unit}"
+    return f"{value:g} Pa"
 
 
 def seconds(value: float | None) -> Markup:

@@ -80,7 +80,7 @@ def render(run: Run) -> str:
         lstrip_blocks=True,
     )  # fmt: skip
     environment.filters.update(
-        number=numbers.number, compact=numbers.compact, margin=numbers.margin, seconds=numbers.seconds
+        pretty=numbers.pretty, number=numbers.number, compact=numbers.compact, margin=numbers.margin, seconds=numbers.seconds
     )
     return environment.get_template("report.html.j2").render(context(run))
 
@@ -106,7 +106,7 @@ def context(run: Run) -> dict[str, Any]:
         "known": [c for c in cards if c.verdict is Verdict.KNOWN_LIMIT],
         "coverage": coverage(run.cases),
         "groups": _groups(references),
-        "own": [c for c in cards if c.case.reference.independence == "own earlier number"],
+        "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
         "figures": _figures(run),
         "captions": captions(run),
         "shortfall": SHORTFALL,
@@ -129,7 +129,7 @@ def sentence(run: Run) -> str:
     if known:
         parts.append(f"{known} known limits are confirmed at their documented size")
     text = "; ".join(parts) + "."
-    if held == len(checks) and not run.skipped:
+    if held == len(checks) and run.complete and not run.skipped:
         text += " The solver agrees with every independent answer it was held against, within the stated limits."
     return text
 
@@ -205,11 +205,15 @@ def _data(result: CaseResult) -> str:
         f"{rod['elements']} elements {rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}",
         f"L = {rod['length']:g} m",
         section,
-        f"E = {material['young_modulus']:g} Pa, ν = {material['poisson_ratio']:g}",
+        f"E = {numbers.pascal(material['young_modulus'])}, ν = {_poisson(case, material)}",
     ]
     if any(rod.get("curvature", ())):
         parts.append(f"stress-free curvature {list(rod['curvature'])} 1/m")
     return "; ".join(parts)
+
+
+def _poisson(case: Case, material: dict[str, Any]) -> str:
+    return ", ".join(f"{nu:g}" for nu in case.parameters.get("poisson_ratios", [material["poisson_ratio"]]))
 
 
 def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:
@@ -217,7 +221,17 @@ def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:
     order: dict[str, list[Card]] = {}
     for card in cards:
         order.setdefault(card.case.row, []).append(card)
-    return [{"title": f"{row}: {found[0].case.title}", "slug": _slug(row), "results": found} for row, found in order.items()]
+    return [
+        {
+            "row": row,
+            "title": found[0].case.family,
+            "shows": found[0].case.shows,
+            "reference": found[0].case.reference,
+            "slug": _slug(row),
+            "results": found,
+        }
+        for row, found in order.items()
+    ]
 
 
 def _figures(run: Run) -> dict[str, Markup | None]:

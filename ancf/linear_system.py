@@ -1,0 +1,101 @@
+"""The tangent with its supports and scales: projected, made dimensionless, factorised, solved.
+
+With D = diag(unit) and the projector P of the supports, K dq = f becomes
+
+    (P D_f^-1 K D P + I - P) (D^-1 dq) = P D_f^-1 f,     D_f = diag(force_unit),
+
+of full size and in the same band: held motions keep a 1 on the diagonal.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.band import BandLU, BandPattern, factorise
+from ancf.counters import Counters
+from ancf.supports import NodeSupport
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class LinearSystem:
+    """Linear algebra of one model.
+
+    Parameters
+    ----------
+    pattern : band of the tangent
+    supports : conditions on single nodes
+    unit, force_unit : (n,) unit of each unknown and of its generalised force [SI]
+    """
+
+    def __init__(
+        self,
+        pattern: BandPattern,
+        supports: list[NodeSupport],
+        unit: Floats,
+        force_unit: Floats,
+        counters: Counters,
+    ) -> None:
+        self.pattern = pattern
+        self.supports = supports
+        self.unit = unit
+        self.force_unit = force_unit
+        self.counters = counters
+
+    @cached_property
+    def _scale(self) -> Floats:
+        """Factor of each band entry that makes the tangent dimensionless, 0 outside the matrix."""
+        b, n = self.pattern.b, self.pattern.n
+        row = np.arange(n) + np.arange(-2 * b, b + 1)[:, None]
+        inside = (row >= 0) & (row < n)
+        left = np.where(inside, (1.0 / self.force_unit)[np.clip(row, 0, n - 1)], 0.0)
+        return (left * self.unit).ravel()
+
+    @cached_property
+    def _support_slots(self) -> list[tuple[Indices, Indices, Indices]]:
+        """Per support: slots of its columns, of its rows and of its diagonal block."""
+        b, n = self.pattern.b, self.pattern.n
+        found = []
+        for s in self.supports:
+            near = np.arange(max(s.dofs[-1] - b, 0), min(s.dofs[0] + b, n - 1) + 1)
+            columns = self.pattern.slots(near[:, None], s.dofs)
+            rows = self.pattern.slots(s.dofs[:, None], near)
+            found.append((columns, rows, self.pattern.slots(s.dofs[:, None], s.dofs)))
+        return found
+
+    def project(self, vector: Floats) -> Floats:
+        """The part of a vector (n,) or (n, k) that the supports leave free."""
+        vector = vector.copy()
+        for s in self.supports:
+            vector[s.dofs] = s.projector @ vector[s.dofs]
+        return vector
+
+    def factorise(self, flat: Floats) -> BandLU:
+        """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
+        with self.counters.solving():
+            flat = flat * self._scale
+            for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
+                flat[columns] = flat[columns] @ s.projector
+                flat[rows] = s.projector @ flat[rows]
+                flat[diagonal] += np.eye(len(s.dofs)) - s.projector
+            return factorise(self.pattern, flat)
+
+    def solve(self, lu: BandLU, right: Floats) -> Floats:
+        """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""
+        with self.counters.solving():
+            column = (slice(None),) + (None,) * (right.ndim - 1)
+            dq = lu.solve(self.project(right / self.force_unit[column]))
+            return self.project(dq * self.unit[column])
+
+    def row_sum(self, flat: Floats, q: Floats) -> float:
+        """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q does to them."""
+        b, n = self.pattern.b, self.pattern.n
+        bands = np.abs(flat * self._scale).reshape(-1, n) * np.abs(q / self.unit)
+        total = np.zeros(n + 3 * b)
+        for band, shift in zip(bands[b:], range(-b, b + 1), strict=True):
+            total[b + shift : b + shift + n] += band
+        return float(np.max(total[b : b + n]))
