@@ -40,10 +40,6 @@ EXTRAS = {
 }
 
 
-class Refused(InputError):
-    """The command line asks for something that does not exist or cannot be done."""
-
-
 class CommandGroup(TyperGroup):
     """Subcommands from entry points: one line in the help, imported when called."""
 
@@ -65,7 +61,7 @@ class CommandGroup(TyperGroup):
             return name, _load(found[name]), args[1:]
         known = ", ".join(self.list_commands(ctx))
         if name in LATER_COMMANDS:
-            raise Refused(
+            raise InputError(
                 Message(
                     f'The command "{name}" is not in this version.',
                     f"command line: ancf {name}",
@@ -77,7 +73,7 @@ class CommandGroup(TyperGroup):
         from ancf.scene_table import nearest
 
         close = nearest(name, [*found, *LATER_COMMANDS])
-        raise Refused(
+        raise InputError(
             Message(
                 f'Unknown command "{name}".',
                 f"command line: ancf {name}",

@@ -49,11 +49,14 @@ def solve(
     from ancf import view as pictures
     from ancf.io import result_text, write_result
     from ancf.scene_file import load_scene
+    from ancf.solver import prepare
     from ancf.solver import solve as find_equilibrium
 
     if view is not None:
         _refuse_view(view)
     loaded = [load_scene(path) for path in scenes]
+    for scene in loaded:  # what can be refused is refused before anything is solved or written
+        prepare(scene)
     if plot is not None:
         pictures.check_picture_path(plot)
     folders = _folders(scenes, out)
@@ -81,8 +84,8 @@ def check(
 ) -> None:
     """Check a scene: its rods, the effects that will be simulated, the unknowns and the reductions chosen."""
     from ancf.io import result_text
-    from ancf.model import Model
     from ancf.scene_file import load_scene
+    from ancf.solver import prepare
 
     loaded = load_scene(scene)
     found = {
@@ -90,7 +93,7 @@ def check(
         "title": loaded.title,
         "rods": {rod.name: _describe(rod) for rod in loaded.rods},
         "effects": ["elastic", *_listed(loaded)],
-        "unknowns": Model(loaded).unknowns,
+        "unknowns": prepare(loaded).unknowns,
         "reductions": [],
         "warnings": [],
     }

@@ -147,6 +147,6 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # mildly.
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
 ELEMENTS: dict[str, Element] = {
-    "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
     "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5, locks_from=3),
+    "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
 }

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import Element
 from ancf.rotation import exp, hat
-from ancf.scene import Rod
+from ancf.scene import Rod, Scene
 
 Floats = NDArray[np.float64]
 
@@ -34,21 +34,23 @@ class Mesh:
         return np.diff(self.breaks)
 
 
+def distinct_places(places: list[float]) -> Floats:
+    """Fractions of the length in order, from 0 to 1, without repetition."""
+    marks = np.sort([0.0, *places, 1.0])
+    marks = marks[np.concatenate([[True], np.diff(marks) > SAME_PLACE])]
+    marks[-1] = 1.0
+    return marks
+
+
 def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats:
     """Element boundaries (n_el + 1,) [m]: equal elements between anchors, a boundary on every anchor.
 
     `anchors` are fractions of the length where a support or a point load stands: there the solution has a
     kink, and an element boundary represents it exactly. The elements are shared out in proportion to the
-    distances, so anchors on the uniform grid leave the grid uniform.
-
-    Raises ValueError when there are more pieces than elements.
+    distances, so anchors on the uniform grid leave the grid uniform. There must be as many as pieces.
     """
-    marks = np.sort([0.0, *anchors, 1.0])
-    marks = marks[np.concatenate([[True], np.diff(marks) > SAME_PLACE])]
-    marks[-1] = 1.0
+    marks = distinct_places(anchors)
     pieces = np.diff(marks)
-    if len(pieces) > elements:
-        raise ValueError(f"{len(pieces)} pieces between supports and loads, {elements} elements")
     ideal = pieces * elements
     count = np.maximum(np.floor(ideal + 1e-9).astype(int), 1)
     while count.sum() < elements:
@@ -60,6 +62,17 @@ def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats
         np.linspace(a, b, n, endpoint=False) for a, b, n in zip(marks[:-1], marks[1:], count, strict=True)
     ]
     return length * np.concatenate([*parts, [1.0]])
+
+
+def rod_breaks(scene: Scene, rod: Rod) -> Floats:
+    """Element boundaries (n_el + 1,) [m] of a rod: on its supports and, elements permitting, its loads."""
+    supports = [support.at for support in rod.supports]
+    # A load of zero magnitude must not even move the mesh.
+    acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
+    anchors = supports + [load.at for load in acting]
+    if len(distinct_places(anchors)) - 1 > rod.elements:
+        anchors = supports
+    return element_breaks(rod.length, rod.elements, anchors)
 
 
 def make_mesh(element: Element, breaks: Floats) -> Mesh:

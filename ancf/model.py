@@ -12,6 +12,8 @@ from __future__ import annotations
 import importlib
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
     from scipy import sparse
 
 Floats = NDArray[np.float64]
+
+_name = attrgetter("name")
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
@@ -61,12 +65,11 @@ class Model:
             self.rods.append(model)
             first_dof += model.size
         self.n = first_dof
-        # By table name; what the scene does not list is neither imported nor built.
-        self.effects: dict[str, list[Effect]] = {
-            name: importlib.import_module(f"ancf.effects.{name}").build(scene, self.rods)
-            for attribute, name in EFFECT_MODULES.items()
-            if getattr(scene, attribute)
-        }
+        # What the scene does not list is neither imported nor built.
+        self.effects: list[Effect] = []
+        for attribute, name in EFFECT_MODULES.items():
+            if getattr(scene, attribute):
+                self.effects += importlib.import_module(f"ancf.effects.{name}").build(scene, self.rods)
         self.supports: list[NodeSupport] = [s for rod in self.rods for s in rod.node_supports()]
         self.counters = Counters()
 
@@ -102,7 +105,7 @@ class Model:
         with self.counters.effect("elastic"):
             for rod in self.rods:
                 _add(Q_int, rod.dofs, rod.elastic.force(rod.element_vectors(q)))
-        for name, effects in self.effects.items():
+        for name, effects in groupby(self.effects, key=_name):
             with self.counters.effect(name):
                 for effect in effects:
                     _add(Q_ext, effect.dofs, effect.force(_blocks(q, effect.dofs)))
@@ -129,7 +132,7 @@ class Model:
                     Q_e, K_e = rod.elastic.force_and_tangent(e, e_previous)
                 _add(Q_int, rod.dofs, Q_e)
                 flat += np.bincount(slots.ravel(), K_e.ravel(), minlength=len(flat))
-        for name, effects in self.effects.items():
+        for name, effects in groupby(self.effects, key=_name):
             with self.counters.effect(name):
                 for effect in effects:
                     e = _blocks(q, effect.dofs)
@@ -145,12 +148,11 @@ class Model:
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
         """Total potential energy [J]; None when a load has none."""
         total = sum(rod.elastic.energy(rod.element_vectors(q)) for rod in self.rods)
-        for effects in self.effects.values():
-            for effect in effects:
-                V = effect.potential(_blocks(q, effect.dofs))
-                if V is None:
-                    return None
-                total += load_factor * V
+        for effect in self.effects:
+            V = effect.potential(_blocks(q, effect.dofs))
+            if V is None:
+                return None
+            total += load_factor * V
         return total
 
     def admissible(self, q: Floats) -> Floats:

@@ -28,8 +28,7 @@ from ancf.scene import Moment
 
 Floats = NDArray[np.float64]
 
-# Largest change of a local measure [rad] in the difference quotient that turns dq into rates of local
-# measures.
+# Largest change of a local measure [rad] in the difference quotient that turns dq into rates.
 _RATE_ANGLE = 1e-5
 # Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
 LARGEST_TURN = 1e3

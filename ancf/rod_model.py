@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
-from ancf.errors import Message, SceneError
-from ancf.mesh import Mesh, element_breaks, make_mesh, reference_axis, reference_nodes
+from ancf.mesh import Mesh, make_mesh, reference_axis, reference_nodes, rod_breaks
 from ancf.quadrature import gauss
 from ancf.scene import Rod, Scene
 from ancf.section_energy import (
@@ -195,29 +194,7 @@ def _relative(element: Element, e: Floats) -> Floats:
 
 
 def make_rod_model(scene: Scene, rod: Rod, first_dof: int) -> RodModel:
-    """Mesh a rod of a scene, with element boundaries on its supports and, where it can, on its point loads.
-
-    Raises `SceneError` when the supports need more elements than the rod has.
-    """
+    """Mesh a rod of a scene and lay out its reference."""
     element = ELEMENTS[rod.element]
-    supports = [support.at for support in rod.supports]
-    # A load of zero magnitude must not even move the mesh.
-    acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    loads = [load.at for load in acting]
-    try:
-        breaks = element_breaks(rod.length, rod.elements, [*supports, *loads])
-    except ValueError:
-        try:
-            breaks = element_breaks(rod.length, rod.elements, supports)
-        except ValueError as error:
-            raise SceneError(
-                Message(
-                    "The rod has too few elements for its supports.",
-                    f"rod {rod.name!r}, elements",
-                    str(error),
-                    "every support stands on an element boundary",
-                    f"set elements to at least {len(supports) + 1}",
-                )
-            ) from error
-    mesh = make_mesh(element, breaks)
+    mesh = make_mesh(element, rod_breaks(scene, rod))
     return RodModel(rod, element, mesh, reference_nodes(rod, element, mesh.node_x), first_dof)

@@ -5,6 +5,7 @@ This is the border: whatever passes is finite, in SI units, in SCS, and has an e
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ancf.errors import Message, SceneError
+from ancf.mesh import distinct_places, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
 from ancf.scene_loads import read_force, read_gravity, read_line_load, read_moment, read_solver
 from ancf.scene_rods import read_rod
@@ -97,8 +99,9 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         )
     rods = tuple(read_rod(entry, index) for index, entry in enumerate(entries))
     _check_names(entries, rods)
-    _check_pieces(entries, rods)
-    return Scene(
+    for entry, rod in zip(entries, rods, strict=True):
+        _check_pieces(entry, rod)
+    scene = Scene(
         rods=rods,
         moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
         forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
@@ -107,6 +110,9 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
         title=table.text("title", ""),
     )
+    for entry, rod in zip(entries, rods, strict=True):
+        _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
+    return scene
 
 
 def _read_text(path: str | PathLike[str]) -> str:
@@ -145,16 +151,27 @@ def _check_names(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
             )
 
 
-def _check_pieces(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
+def _check_pieces(entry: Table, rod: Rod) -> None:
     """Refuse fewer elements than there are pieces between supports: each stands on an element boundary."""
-    for entry, rod in zip(entries, rods, strict=True):
-        marks = [0.0, *(support.at for support in rod.supports), 1.0]
-        pieces = len(np.unique(np.round(marks, 12))) - 1  # as ancf.mesh.element_breaks has it
-        if pieces > rod.elements:
-            entry.refuse(
-                "elements",
-                "There are fewer elements than pieces between supports.",
-                f"elements = {rod.elements}, pieces = {pieces}",
-                "every support stands on an element boundary",
-                f"take elements >= {pieces}",
-            )
+    pieces = len(distinct_places([support.at for support in rod.supports])) - 1
+    if pieces > rod.elements:
+        entry.refuse(
+            "elements",
+            "There are fewer elements than pieces between supports.",
+            f"elements = {rod.elements}, pieces = {pieces}",
+            "every support stands on an element boundary",
+            f"take elements >= {pieces}",
+        )
+
+
+def _check_turn(entry: Table, rod: Rod, longest: float) -> None:
+    """Refuse a reference whose longest element turns by more than a quarter turn."""
+    angle = float(np.linalg.norm(rod.curvature)) * longest
+    if angle > math.pi / 2:
+        entry.refuse(
+            "curvature",
+            "The elements are too long for this curvature.",
+            f"one element turns by {math.degrees(angle):.4g} degrees, must be <= 90",
+            "an element cannot follow more than a quarter turn",
+            f"take elements >= {math.ceil(2.0 * angle * rod.elements / math.pi):g}, or reduce the curvature",
+        )

@@ -5,7 +5,6 @@ Vectors leave this module in SCS: what was given with ``frame = "body"`` is turn
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -44,17 +43,17 @@ def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
 
 
 def read_force(table: Table, rods: Sequence[Rod]) -> Force:
-    """Read one `[[force]]`; its point of action must not lie outside the circle around the section."""
+    """Read one `[[force]]`; its point of action is the axis or a point of the section."""
     table.expect_keys(("rod", "at", "offset", "value", "frame", "direction"))
     rod = _rod_of(table, rods)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
-    distance, reach = math.hypot(*offset), rod.section.outer_radius
-    if distance > reach * (1.0 + 1e-9):
+    # The axis itself may be loaded in a hollow section too: a plug or a clamp carries it there.
+    if any(offset) and not rod.section.contains(*offset):
         table.refuse(
             "offset",
             "The force acts outside the section.",
-            f"offset = [{offset[0]:g}, {offset[1]:g}] m is {distance:.4g} m off the axis,"
-            f" the section reaches {reach:.4g} m",
+            f"offset = [{offset[0]:g}, {offset[1]:g}] m is no point of {type(rod.section).__name__.lower()},"
+            f" which reaches {rod.section.outer_radius:.4g} m",
             "offset is measured from the axis in metres, or the wrong rod is named",
             "move the point into the section, or replace the lever by a [[moment]]",
         )

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.elements import ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import reference_axis
 from ancf.scene import Frame, Rod, Support
@@ -33,7 +34,6 @@ ROD_KEYS = (
     "curvature",
     "shear_factors",
 )
-ELEMENTS = ("3333", "3243")
 LATER_ELEMENTS = ("3343", "3363", "cable")
 LATER_LAWS = ("neo-hookean", "mooney-rivlin")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
@@ -58,7 +58,7 @@ def read_rod(table: Table, index: int) -> Rod:
         elements=table.whole("elements", 1, MOST_ELEMENTS),
         section=section,
         material=_material(table.table("material")),
-        element=table.word("element", ELEMENTS, "3333", LATER_ELEMENTS),
+        element=table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS),
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
@@ -187,13 +187,13 @@ def _supports(table: Table) -> tuple[Support, ...]:
 
 def _check_slenderness(table: Table, rod: Rod) -> None:
     """Refuse a rod so slender that float64 positions leave no digits of its residual (newton.py)."""
-    gyration2 = float(np.linalg.eigvalsh(rod.section.second_moments)[0]) / rod.section.area
-    floor = 10.0 * float(np.finfo(float).eps) * rod.elements * rod.length**2 / gyration2
+    slenderness = rod.length / rod.section.radius_of_gyration
+    floor = 10.0 * float(np.finfo(float).eps) * rod.elements * slenderness**2
     if floor > LARGEST_FLOOR:
         table.refuse(
             "length",
             "The rod is too slender for double precision.",
-            f"length / radius of gyration = {rod.length / math.sqrt(gyration2):.3g} with {rod.elements}"
+            f"length / radius of gyration = {slenderness:.3g} with {rod.elements}"
             f" elements leaves a residual of {floor:.2g}, must be <= {LARGEST_FLOOR:g}",
             "length or section is given in the wrong unit, or a thread is modelled as a rod",
             "check length and section [m], or take fewer elements",
@@ -201,7 +201,7 @@ def _check_slenderness(table: Table, rod: Rod) -> None:
 
 
 def _check_curvature(table: Table, rod: Rod) -> None:
-    """Refuse a stress-free curvature that folds the section (det J_0 <= 0) or the elements."""
+    """Refuse a stress-free curvature that folds the section (det J_0 <= 0)."""
     # x = 0 is representative: the curvature is constant in section axes, so det J_0 = 1 + k_y z - k_z y.
     bending = math.hypot(rod.curvature[1], rod.curvature[2])
     reach = bending * rod.section.outer_radius
@@ -212,16 +212,6 @@ def _check_curvature(table: Table, rod: Rod) -> None:
             f"curvature {bending:g} 1/m x outer radius {rod.section.outer_radius:g} m = {reach:.3g} >= 1",
             "material on the inside would lie beyond the centre of curvature (det J_0 <= 0)",
             "reduce the curvature [1/m] or the section",
-        )
-    angle = float(np.linalg.norm(rod.curvature)) * rod.length / rod.elements
-    if angle > math.pi / 2:
-        needed = math.ceil(2.0 * angle * rod.elements / math.pi)
-        table.refuse(
-            "curvature",
-            "The elements are too long for this curvature.",
-            f"each element turns by {math.degrees(angle):.4g} degrees, must be <= 90",
-            "an element cannot follow more than a quarter turn",
-            f"take elements >= {needed:.6g}, or reduce the curvature [1/m]",
         )
 
 

@@ -27,9 +27,7 @@ QUICK_ITERATIONS = 6  # a step that took no more may grow
 GROWTH = 2.0
 CUT = 0.25
 SMALLEST_STEP = 1e-6  # of the full load
-FIRST_TURN = (
-    1.0  # the linear solution of the first load step may turn or move sections by this (rad, lengths)
-)
+FIRST_TURN = 1.0  # rad or rod lengths by which the linear solution of the first load step may move sections
 
 
 @dataclass

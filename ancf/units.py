@@ -38,6 +38,7 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(\
 # and whole powers of at most two digits are handed over, and no power of a power.
 _UNIT = r"(?:[^\W\d]+|%)(?:\s*(?:\^|\*\*)\s*-?\d{1,2}(?!\d))?"
 _UNIT_EXPRESSION = re.compile(rf"(?:1?\s*/\s*)?{_UNIT}(?:(?:\s*[*/·]\s*|\s+){_UNIT})*")
+_PURE = ("dimensionless", "percent", "ppm")  # how pint writes the units of pure numbers
 _LONGEST_TEXT = 80  # characters; a quantity with its unit is far shorter
 
 
@@ -88,7 +89,7 @@ def _factor(text: str, unit: str, dimension: Dimension, where: str) -> float:
         unit = "1" + unit
     try:
         parsed = _registry().parse_units(unit)
-        return float(_registry().Quantity(1.0, parsed).to(dimension.unit).magnitude)
+        factor = float(_registry().Quantity(1.0, parsed).to(dimension.unit).magnitude)
     except pint.DimensionalityError as error:
         # "Nm" is legal in pint: the number (unit "N" in another sense) per metre.
         hint = "; write 'N m' with a space" if unit in ("Nm", "Nmm") else ""
@@ -100,6 +101,9 @@ def _factor(text: str, unit: str, dimension: Dimension, where: str) -> float:
         _refuse(text, dimension, where, reason, "the unit is unknown")
     except (pint.PintError, ValueError, TypeError, ArithmeticError, AttributeError, SyntaxError) as error:
         _refuse(text, dimension, where, f"{unit!r} is not a unit: {error}", "the unit cannot be read")
+    if dimension is NUMBER and str(parsed) not in _PURE:  # pint takes degrees and turns for pure numbers
+        _refuse(text, dimension, where, f"{unit!r} is an angle, not a pure number", "the unit is wrong")
+    return factor
 
 
 @lru_cache(maxsize=1)

@@ -27,8 +27,8 @@ def validity_warnings(solution: Solution) -> list[str]:
     found = []
     if solution.determinant_sign < 0:
         found.append(
-            "this equilibrium is unstable: its tangent has an odd number of negative eigenvalues, as beyond a "
-            "buckling load (an even number would go unnoticed)"
+            "this equilibrium is unstable: its tangent has an odd number of negative eigenvalues, as beyond "
+            "a buckling load (an even number would go unnoticed)"
         )
     for rod in solution.model.rods:
         found += [f"rod {rod.rod.name!r}: {text}" for text in _of_rod(solution, rod)]

@@ -104,7 +104,7 @@ def _draw_panel(axes: Any, solution: Solution) -> None:
     title = textwrap.fill(solution.scene.title, 48)
     if solution.status is not Status.CONVERGED:
         title += f"\n{solution.status} at load factor {solution.load_factor:.3g}"
-    axes.set_title(title, fontsize=9)
+    axes.set_title(title, fontsize=9, parse_math=False)
 
 
 def _set_equal_scales(axes: Any, points: Floats) -> None:

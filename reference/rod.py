@@ -72,7 +72,7 @@ class RodProperties:
         base_position: ArrayLike = (0.0, 0.0, 0.0),
         base_rotation: ArrayLike = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     ) -> RodProperties:
-        """Rod of an isotropic material: I_y = int z^2 dA [m4]; J_t = I_y + I_z [m4] unless given.
+        """Rod of an isotropic material: I_y = int z^2 dA [m4]; J_t = k_y I_y + k_z I_z [m4] unless given.
 
         That J_t is what a section which stays plane has (3243, 3333), and exact for a circle.
         """
@@ -82,7 +82,7 @@ class RodProperties:
             EA=young_modulus * area,
             GA_y=shear_factors[0] * G * area,
             GA_z=shear_factors[1] * G * area,
-            GJ=G * (I_y + I_z if J_t is None else J_t),
+            GJ=G * (shear_factors[0] * I_y + shear_factors[1] * I_z if J_t is None else J_t),
             EI_y=young_modulus * I_y,
             EI_z=young_modulus * I_z,
             curvature=curvature,

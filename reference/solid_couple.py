@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.rotation import hat
+
 Array = NDArray[np.float64]
 
 
@@ -64,20 +66,13 @@ def couple_force(x: Array, W: Array, moment: Array) -> tuple[Array, Array]:
     G_inv = np.linalg.inv(np.trace(V) * np.eye(3) - V)
     mu = G_inv @ moment
     a = W @ R.T
-    mu_hat = _hat(mu)
+    mu_hat = hat(mu)
     force = a @ mu_hat.T
 
-    a_hat = _hat(a)
+    a_hat = hat(a)
     w_x = G_inv @ a_hat  # (ns, 3, 3): spin by nodal displacement
     stretch = mu[:, None] * a[:, None, :] - (a @ mu)[:, None, None] * np.eye(3)
     mu_x = -G_inv @ (stretch - V @ mu_hat @ w_x)
     f_w = mu_hat @ a_hat
     tangent = -np.einsum("aij,bjk->aibk", a_hat, mu_x) - np.einsum("aij,bjk->aibk", f_w, w_x)
     return force, tangent.reshape(3 * len(x), 3 * len(x))
-
-
-def _hat(v: Array) -> Array:
-    """Cross-product matrices, hat(v) u = v x u (..., 3, 3)."""
-    out = np.zeros((*v.shape, 3))
-    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
-    return out - out.swapaxes(-1, -2)

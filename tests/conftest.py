@@ -1,4 +1,6 @@
-"""Hypothesis profiles: HYPOTHESIS_PROFILE=dev (25 examples), ci (100) or gate (500), the last two derandomised."""
+"""Hypothesis profiles: HYPOTHESIS_PROFILE=dev (25 examples), ci (100) or gate (500), the last two
+derandomised.
+"""
 
 import os
 

@@ -1,4 +1,6 @@
-"""Hypothesis strategies for rods: the random rods of `validation`, drawn by Hypothesis so that it can shrink them."""
+"""Hypothesis strategies for rods: the random rods of `validation`, drawn by Hypothesis so that it can shrink
+them.
+"""
 
 from collections.abc import Sequence
 from typing import TypeVar

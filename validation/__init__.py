@@ -1,1 +1,2 @@
-"""Does the solver agree with independent answers, and at what cost: cases, verdicts, studies and the report."""
+"""Does the solver agree with independent answers, and at what cost: cases, verdicts, studies "
+"and the report."""

@@ -1,7 +1,8 @@
-"""Validation cases: records, and the loader that reads them from `cases/*.toml` and refuses what is not complete.
+"""Validation cases: records, and the loader that reads `cases/*.toml` and refuses what is not complete.
 
 One file is one family: a problem, a scene, a reference, limits with reasons; each `[[case]]` changes the
-first rod, the load or the parameters. A case without a reason for a limit, or with an unknown key, is an error.
+first rod, the load or the parameters. A case without a reason for a limit, or with an unknown key, is an
+error.
 """
 
 from __future__ import annotations
@@ -25,8 +26,32 @@ INDEPENDENCE = {
     "identity": "a property that holds exactly for every correct program; no reference is needed",
     "own earlier number": "a count of our own; it shows change, not truth",
 }
-FAMILY_KEYS = ("row", "title", "problem", "loads", "shows", "reference", "scene", "limit", "case", "parameters")
-CASE_KEYS = ("id", "title", "loads", "shows", "set", "required", "rod", "load", "parameters", "limit", "warning", "reference")
+FAMILY_KEYS = (
+    "row",
+    "title",
+    "problem",
+    "loads",
+    "shows",
+    "reference",
+    "scene",
+    "limit",
+    "case",
+    "parameters",
+)
+CASE_KEYS = (
+    "id",
+    "title",
+    "loads",
+    "shows",
+    "set",
+    "required",
+    "rod",
+    "load",
+    "parameters",
+    "limit",
+    "warning",
+    "reference",
+)
 LIMIT_KEYS = ("quantity", "value", "unit", "reason", "kind", "documented", "spread")
 REFERENCE_KEYS = ("name", "independence", "source", "estimated_error", "values", "note")
 SETS = ("quick", "full")
@@ -88,7 +113,12 @@ def load_cases(folder: Path = CASES) -> list[Case]:
     files = sorted(folder.glob("*.toml"))
     cases = [case for file in files for case in _read_family(file)]
     if not cases:
-        _refuse("There are no validation cases.", str(folder), f"{len(files)} files", "a folder that is not installed")
+        _refuse(
+            "There are no validation cases.",
+            str(folder),
+            f"{len(files)} files",
+            "a folder that is not installed",
+        )
     seen: set[str] = set()
     for case in cases:
         if case.id in seen:
@@ -115,7 +145,12 @@ def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Cas
     merged = {key: entry.get(key, family.get(key, "")) for key in ("title", "loads", "shows")}
     for key, value in merged.items():
         if not value:
-            _refuse(f"The case has no {key}.", where, "it is empty or missing", "every card in the report states it")
+            _refuse(
+                f"The case has no {key}.",
+                where,
+                "it is empty or missing",
+                "every card in the report states it",
+            )
     limits = entry.get("limit", family.get("limit", []))
     if not limits:
         _refuse("The case has no limit.", where, "no [[limit]]", "a case that cannot fail shows nothing")
@@ -161,10 +196,21 @@ def _read_limit(data: dict[str, Any], where: str) -> Limit:
     where = f"{where}, limit {data.get('quantity', '')!r}"
     _expect(data, LIMIT_KEYS, where, needed=("quantity", "value", "unit", "reason"))
     value, kind = data["value"], data.get("kind", "reference")
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (math.isfinite(value) and value > 0.0):
-        _refuse("A limit must be a positive number.", where, repr(value), "a limit of zero cannot be met in float64")
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not (math.isfinite(value) and value > 0.0)
+    ):
+        _refuse(
+            "A limit must be a positive number.",
+            where,
+            repr(value),
+            "a limit of zero cannot be met in float64",
+        )
     if not str(data["reason"]).strip():
-        _refuse("A limit has no reason.", where, "reason is empty", "a limit nobody can argue with is arbitrary")
+        _refuse(
+            "A limit has no reason.", where, "reason is empty", "a limit nobody can argue with is arbitrary"
+        )
     if kind not in KINDS:
         _refuse("Unknown kind of limit.", where, repr(kind), f"it is one of: {', '.join(KINDS)}")
     return Limit(**data)
@@ -173,7 +219,9 @@ def _read_limit(data: dict[str, Any], where: str) -> Limit:
 def _expect(data: Mapping[str, Any], keys: tuple[str, ...], where: str, needed: tuple[str, ...]) -> None:
     unknown = [key for key in data if key not in keys]
     if unknown:
-        _refuse(f"Unknown key {unknown[0]!r}.", where, ", ".join(unknown), f"valid keys are {', '.join(keys)}")
+        _refuse(
+            f"Unknown key {unknown[0]!r}.", where, ", ".join(unknown), f"valid keys are {', '.join(keys)}"
+        )
     missing = [key for key in needed if key not in data]
     if missing:
         _refuse(f"The key {missing[0]!r} is missing.", where, ", ".join(missing), "the case is not complete")

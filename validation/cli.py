@@ -18,15 +18,22 @@ WRONG_INPUT = 2
 
 Quick = Annotated[bool, typer.Option("--quick", help="The quick set (default), about a minute.")]
 Full = Annotated[bool, typer.Option("--full", help="All cases, finer meshes, more random examples.")]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Recompute everything. There is no cache yet: always the case.")]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Recompute everything. There is no cache yet: always the case.")
+]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for report.json and report.html.")]
 Only = Annotated[
-    list[str] | None, typer.Option("--case", metavar="ID", help="Run this case only; may be repeated. Not a whole run.")
+    list[str] | None,
+    typer.Option("--case", metavar="ID", help="Run this case only; may be repeated. Not a whole run."),
 ]
 
 
 def validate(
-    quick: Quick = False, full: Full = False, fresh: Fresh = False, out: Out = Path("report"), case: Only = None
+    quick: Quick = False,
+    full: Full = False,
+    fresh: Fresh = False,
+    out: Out = Path("report"),
+    case: Only = None,
 ) -> None:
     """Hold the solver against exact answers; writes report.json."""
     record = _run(quick, full, out, tuple(case or ()))
@@ -103,7 +110,6 @@ def _check_names(wanted: tuple[str, ...]) -> None:
     import difflib
 
     from ancf.errors import InputError, Message
-
     from validation.cases import load_cases
 
     known = [case.id for case in load_cases()]
@@ -112,14 +118,15 @@ def _check_names(wanted: tuple[str, ...]) -> None:
             near = difflib.get_close_matches(name, known, 1, 0.0)[0]
             raise InputError(
                 Message(
-                    f"There is no case {name!r}.", "--case", f"{len(known)} cases are known", "a misspelt name",
+                    f"There is no case {name!r}.", "--case", f"there are {len(known)}", "a misspelt name",
                     f"the nearest is {near!r}; report.json lists them all",
                 )
             )  # fmt: skip
 
 
 def _pin_threads() -> None:
-    """One thread for the linear algebra, unless the user chose or numpy is loaded already: timings then mean something."""
+    """One thread for the linear algebra, unless the user chose or numpy is loaded already: "
+    "timings then mean something."""
     if "numpy" not in sys.modules:
         for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
             os.environ.setdefault(name, "1")
@@ -165,7 +172,10 @@ def _finish(record: Run, written: list[Path]) -> None:
                     f"{result.case.id}: {finding.quantity}: {observed} {finding.limit.unit}, "
                     f"limit {finding.limit.value:g}: {finding.verdict}"
                 )
-    console.print(f"[bold]{verdict}[/bold] ({record.scope}, {len(record.cases)} cases: {tally}; {record.seconds['total']:.0f} s)")
+    console.print(
+        f"[bold]{verdict}[/bold] ({record.scope}, {len(record.cases)} cases: {tally}; "
+        f"{record.seconds['total']:.0f} s)"
+    )
     for reason in reasons:
         console.print(f"  {reason}")
     for name in record.blocking:

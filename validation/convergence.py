@@ -1,7 +1,9 @@
-"""Observed order of convergence: the promise is data, the slope is fitted, the finest error has its own bound.
+"""Observed order of convergence: the promise is data, the slope fitted, the finest error bounded.
 
-Five problems (bending, tip force, torsion, stretch, curved reference) for each element. Where the beam model has a
-closed form the error is taken against it; elsewhere against 256 elements of the same kind, which shows the order
+Five problems (bending, tip force, torsion, stretch, curved reference) for each element. Where the beam
+model has a
+closed form the error is taken against it; elsewhere against 256 elements of the same kind, which shows the
+order
 of the discretisation and nothing about the model.
 """
 
@@ -14,8 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from reference import analytic
 
+from reference import analytic
 from validation.criteria import Finding, Limit, Verdict, judge, worst
 from validation.scenes import solve
 
@@ -85,7 +87,9 @@ def _tip(element: str, elements: int, nu: float, **loads: object) -> Floats:
 def bending(element: str, elements: int) -> float:
     """Tip error/L at 90 degrees, nu = 0, against the finite-strain closed form."""
     moment = EI * (np.pi / 2) / LENGTH
-    along, across, _ = analytic.pure_bending_curvature(moment, YOUNG, analytic.BendingSection.circle(RADIUS)).tip(LENGTH)
+    along, across, _ = analytic.pure_bending_curvature(
+        moment, YOUNG, analytic.BendingSection.circle(RADIUS)
+    ).tip(LENGTH)
     tip = _tip(element, elements, 0.0, moment=[{"value": [0.0, 0.0, moment]}])
     return float(np.linalg.norm(tip - [along, across, 0.0])) / LENGTH
 
@@ -120,7 +124,9 @@ def stretch(element: str, elements: int) -> float:
     x, weight = np.polynomial.legendre.leggauss(40)
     x, weight = 0.5 * LENGTH * (1 + x), 0.5 * LENGTH * weight
     area = EA / YOUNG
-    stretches = [analytic.uniaxial_saint_venant_kirchhoff(load * (LENGTH - s), YOUNG, 0.0, area).axial for s in x]
+    stretches = [
+        analytic.uniaxial_saint_venant_kirchhoff(load * (LENGTH - s), YOUNG, 0.0, area).axial for s in x
+    ]
     tip = _tip(element, elements, 0.0, line_load=[{"value": [load, 0.0, 0.0]}])
     return abs(float(tip[0] - weight @ np.array(stretches))) / LENGTH
 
@@ -138,6 +144,7 @@ def curved(element: str, elements: int) -> float:
 
 _3333 = "quadratic axis and sections, two Gauss points: fourth order at the nodes"
 _3243 = "linear section vectors: second order; faster before, while locking (fourth order) still dominates"
+_CUBIC = "cubic axis: fourth order, more at the end node"
 _OWN = f"{FINE} elements of the same kind"
 
 
@@ -154,7 +161,7 @@ def studies(full: bool = False) -> list[Study]:
         Study("torsion", "3333", torsion, 4, _3333, _OWN, short, 5e-7),
         Study("torsion", "3243", torsion, 2, _3243, _OWN, usual, 3e-3),
         Study("stretch", "3333", stretch, 4, _3333, line, (2, 4, 8, 16), 1e-8),
-        Study("stretch", "3243", stretch, 4, "cubic axis: fourth order, more at the end node", line, (1, 2, 4, 8), 1e-9),
+        Study("stretch", "3243", stretch, 4, _CUBIC, line, (1, 2, 4, 8), 1e-9),
         Study("curved reference", "3333", curved, 4, _3333, _OWN, usual, 1e-6),
         Study("curved reference", "3243", curved, 2, _3243, _OWN, usual, 1e-3),
     ]  # fmt: skip
@@ -166,7 +173,12 @@ def run_study(study: Study) -> StudyResult:
     errors = [study.error(study.element, n) for n in study.meshes]
     slope = -float(np.polyfit(np.log(study.meshes), np.log(errors), 1)[0])
     order = Limit("order below its promise", SHORTFALL, "-", f"promised {study.promised:g}: {study.why}")
-    bound = Limit(f"error with {study.meshes[-1]} elements", study.finest, "L or rad", "keeps the constant, not just the order")
+    bound = Limit(
+        f"error with {study.meshes[-1]} elements",
+        study.finest,
+        "L or rad",
+        "keeps the constant, not just the order",
+    )
     findings = [
         judge(order, order.quantity, max(study.promised - slope, 0.0)),
         judge(bound, bound.quantity, errors[-1]),

@@ -1,6 +1,7 @@
 """Verdicts: what a number found is worth against its limit, and what many verdicts are worth together.
 
-A margin is limit / observed. PASS from 1.5, WARN below 1.5, FAIL below 1. If the reference may itself be wrong by more
+A margin is limit / observed. PASS from 1.5, WARN below 1.5, FAIL below 1. If the reference may itself be
+wrong by more
 than a third of the limit, nothing can be concluded. An expected miss has to miss by the documented amount.
 """
 

@@ -312,28 +312,28 @@ def zero_modes(K: Floats) -> tuple[int, float]:
 # --------------------------------------------------------------------------------------------------------
 
 
-def moment_resultant(Q: Floats, e: Floats, M: Floats) -> float:
-    """Error of sum_k e_k x Q_k = M over the nodal vectors of the loaded element, relative to |M|."""
-    return float(np.max(np.abs(np.cross(e, Q).sum(axis=0) - M)) / np.linalg.norm(M))
+def moment_resultant(Q: Floats, q: Floats, M: Floats) -> float:
+    """Error of sum_k q_k x Q_k = M over all nodal vectors, relative to |M|."""
+    return float(np.max(np.abs(np.cross(q, Q).sum(axis=(0, 1)) - M)) / np.linalg.norm(M))
 
 
-def moment_power(point: SectionPoint, Q: Floats, e: Floats, de: Floats, M: Floats, definition: str) -> float:
-    """Error of the power Q . de = M . w, relative to |M| |w|, with the spin w found without ancf.rotation.
+def section_spin(point: SectionPoint, e: Floats, de: Floats) -> Floats:
+    """Spin w (3,) of the section for the velocity de: the polar rotation of A = sum_k d_k W_k^T moves by w.
 
-    section: the polar rotation R of A = sum_k d_k W_k^T at e + t de and e - t de, w from their
-    difference, extrapolated; vorticity: w = 1/2 curl of the velocity field, from the skew part of J_dot J^-1.
+    From the rotations at e + t de and e - t de, their difference extrapolated; written without ancf.rotation.
     """
-    if definition == "section":
-        spins = []
-        for t in (1e-3, 5e-4):
-            turn = polar_rotation(point, e + t * de) @ polar_rotation(point, e - t * de).T
-            spins.append(_axial(turn - turn.T) / (4.0 * t))
-        w = (4.0 * spins[1] - spins[0]) / 3.0
-    else:
-        J, J_dot = ((np.stack([point.N_x[0], point.N[1], point.N[2]]) @ x).T for x in (e, de))
-        L = J_dot @ np.linalg.inv(J)
-        w = 0.5 * _axial(L - L.T)
-    return float(abs(np.sum(Q * de) - M @ w) / (np.linalg.norm(M) * np.linalg.norm(w)))
+    spins = []
+    for t in (1e-3, 5e-4):
+        turn = polar_rotation(point, e + t * de) @ polar_rotation(point, e - t * de).T
+        spins.append(_axial(turn - turn.T) / (4.0 * t))
+    return (4.0 * spins[1] - spins[0]) / 3.0
+
+
+def vorticity(point: SectionPoint, e: Floats, de: Floats) -> Floats:
+    """Half the curl w (3,) of the velocity de on the axis: axial vector of the skew part of J_dot J^-1."""
+    J, J_dot = ((np.stack([point.N_x[0], point.N[1], point.N[2]]) @ x).T for x in (e, de))
+    L = J_dot @ np.linalg.inv(J)
+    return 0.5 * _axial(L - L.T)
 
 
 def polar_rotation(point: SectionPoint, e: Floats) -> Floats:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from reference import analytic
 from reference.rod import RodLoads, RodProperties, solve_rod
-
 from validation.scenes import bending_angle, solve
 
 POISSON = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.48, 0.49, 0.495, 0.499)
@@ -31,7 +31,9 @@ def locking_curve() -> list[LockingPoint]:
     for element, formulation in (("3243", "continuum"), ("3243", "enhanced"), ("3333", "enhanced")):
         for nu in POISSON:
             exact = analytic.full_hooke_locking_factor(nu) if formulation == "continuum" else 1.0
-            points.append(LockingPoint(element, formulation, nu, _stiffness_ratio(element, formulation, nu), exact))
+            points.append(
+                LockingPoint(element, formulation, nu, _stiffness_ratio(element, formulation, nu), exact)
+            )
     return points
 
 
@@ -72,13 +74,15 @@ class SlendernessRow:
 
     @property
     def disagreement(self) -> float:
-        """Largest distance from a documented number, over 2e-4 + 10 % of it (two printed digits, another clamp)."""
+        """Largest distance from a documented number, over 2e-4 + 10 % of it (two printed "
+        "digits, another clamp)."""
         pairs = zip(self.errors, self.documented, strict=False)
         return max(abs(e - d) / (2e-4 + 0.1 * abs(d)) for e, d in pairs if d is not None)
 
 
 def slenderness_table() -> list[SlendernessRow]:
-    """Square cantilever of height H, nu = 0, tip force: error of the deflection against the integrated rod."""
+    """Square cantilever of height H, nu = 0, tip force: error of the deflection against the "
+    "integrated rod."""
     rows = []
     for (slenderness, load), documented in DOCUMENTED.items():
         height, young_modulus = 1.0 / slenderness, 1.0e9

@@ -45,7 +45,8 @@ class CaseResult:
 
 
 def run_case(case: Case) -> CaseResult:
-    """Run one case and judge it; whatever goes wrong is a FAIL with its reason, so that the others still run."""
+    """Run one case and judge it; whatever goes wrong is a FAIL with its reason, so that the "
+    "others still run."""
     started = time.perf_counter()
     try:
         outcome = PROBLEMS[case.problem](case)

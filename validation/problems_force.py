@@ -1,11 +1,12 @@
-"""Problems under forces: elastica, any rod against the integrated rod, published displacements, uniaxial stretch."""
+"""Problems under forces: elastica, any rod against the integrated rod, published displacements, "
+"uniaxial stretch."""
 
 from __future__ import annotations
 
 import numpy as np
+
 from reference import analytic
 from reference.rod import solve_rod
-
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import bending_angle, changed, in_si, reference_rod, solve, stiffness_of
@@ -38,7 +39,8 @@ def elastica(case: Case) -> Outcome:
 def rod(case: Case) -> Outcome:
     """Any clamped rod against the Simo-Reissner rod integrated in reference/: tip position and rotation.
 
-    `length_scale` in the parameters replaces the rod length as the unit of the position error (an arc radius).
+    `length_scale` in the parameters replaces the rod length as the unit of the position error (an arc
+    radius).
     `tip` among the printed values of the reference is compared as well, relative to the length scale.
     """
     scene = in_si(case.scene) if case.parameters.get("dimensionless", True) else case.scene
@@ -48,7 +50,9 @@ def rod(case: Case) -> Outcome:
     scale = float(case.parameters.get("length_scale", properties.length))
     tip = solution.tip()
     turn = tip.rotation @ exact.rotation[0].T
-    angle = float(np.linalg.norm([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2.0)
+    angle = float(
+        np.linalg.norm([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2.0
+    )
     observed = {
         "tip position": float(np.linalg.norm(tip.position - exact.position[0]) / scale),
         "tip rotation": angle,
@@ -60,11 +64,16 @@ def rod(case: Case) -> Outcome:
         Row(f"tip {axis}", float(a), float(b), "m")
         for axis, a, b in zip("xyz", tip.position, exact.position[0], strict=True)
     ]
-    errors = {"tip position": exact.estimated_error * properties.length / scale, "tip rotation": exact.estimated_error}
+    errors = {
+        "tip position": exact.estimated_error * properties.length / scale,
+        "tip rotation": exact.estimated_error,
+    }
     printed = case.reference.values.get("tip")
     if printed is not None:
         observed["tip against printed values"] = float(np.max(np.abs(tip.position - printed)) / scale)
-        observed["integrated rod against printed values"] = float(np.max(np.abs(exact.position[0] - printed)) / scale)
+        observed["integrated rod against printed values"] = float(
+            np.max(np.abs(exact.position[0] - printed)) / scale
+        )
         errors["integrated rod against printed values"] = exact.estimated_error * properties.length / scale
     literature = case.reference.values.get("literature")
     if literature is not None:
@@ -89,7 +98,8 @@ def published_deflection(case: Case) -> Outcome:
 
 
 def uniaxial(case: Case) -> Outcome:
-    """Axial stretch and contraction under a tip force, section free at the support, against the closed form."""
+    """Axial stretch and contraction under a tip force, section free at the support, against the "
+    "closed form."""
     observed, rows = {}, []
     solution = scene = None
     numbers = stiffness_of(case.scene)
@@ -97,7 +107,9 @@ def uniaxial(case: Case) -> Outcome:
         material = {**case.rod["material"], "poisson_ratio": nu}
         area = numbers.EA / material["young_modulus"]
         for share in case.parameters["forces_over_EA"]:
-            exact = analytic.uniaxial_saint_venant_kirchhoff(share * numbers.EA, material["young_modulus"], nu, area)
+            exact = analytic.uniaxial_saint_venant_kirchhoff(
+                share * numbers.EA, material["young_modulus"], nu, area
+            )
             scene = changed(
                 case.scene, {"material": material}, force=[{"value": [share * numbers.EA, 0.0, 0.0]}]
             )
@@ -105,7 +117,9 @@ def uniaxial(case: Case) -> Outcome:
             tip = solution.tip()
             axial, lateral = tip.position[0] / numbers.length, float(np.linalg.norm(tip.r_y))
             label = f"F/EA = {share:g}, nu = {nu:g}"
-            observed[f"stretch, {label}"] = max(abs(axial / exact.axial - 1.0), abs(lateral / exact.lateral - 1.0))
+            observed[f"stretch, {label}"] = max(
+                abs(axial / exact.axial - 1.0), abs(lateral / exact.lateral - 1.0)
+            )
             rows += [
                 Row(f"{label}: axial stretch", float(axial), exact.axial, "-"),
                 Row(f"{label}: lateral stretch", lateral, exact.lateral, "-"),

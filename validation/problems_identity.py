@@ -1,18 +1,20 @@
-"""Problems without a reference: what every correct program meets exactly (rigid motion, patch, moments, far base)."""
+"""Problems without a reference: what every correct program meets exactly (rigid motion, patch, "
+"moments, far base)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
-import ancf
 import numpy as np
+from numpy.typing import NDArray
+
+import ancf
+from ancf.effects import moment
 from ancf.model import Model
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, section_rotation
 from ancf.section_energy import local_gradient, strain_matrix
-from numpy.typing import NDArray
-
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import Stiffness, changed, in_si, solve, stiffness_of
@@ -42,7 +44,9 @@ def _strain(rod: RodModel, q: Floats) -> Floats:
     found = []
     for element in range(v.shape[0]):
         for point in range(v.shape[1]):
-            _, weights = local_gradient(rod.element, rod.elastic.v0[element, point], outline[:, 0], outline[:, 1])
+            _, weights = local_gradient(
+                rod.element, rod.elastic.v0[element, point], outline[:, 0], outline[:, 1]
+            )
             found.append(strain_matrix(weights) @ rod.elastic.gamma(v)[element, point])
     return np.array(found)
 
@@ -64,7 +68,9 @@ def rigid_motion(case: Case) -> Outcome:
         strain_far = max(strain_far, float(np.max(np.abs(_strain(rod, _moved(rod, np.eye(3), far))))) / bound)
     observed = {"strain": strain, "force/(E A)": force, "strain, coordinates 1e6 m away": strain_far}
     rows = [Row("largest strain", strain, 0.0, "-"), Row("largest force/(E A)", force, 0.0, "-")]
-    return Outcome(observed, rows, notes=[f"{len(case.parameters['variants'])} rods, {len(TURNS)} turns each"])
+    return Outcome(
+        observed, rows, notes=[f"{len(case.parameters['variants'])} rods, {len(TURNS)} turns each"]
+    )
 
 
 def patch(case: Case) -> Outcome:
@@ -113,30 +119,35 @@ def moment_identities(case: Case) -> Outcome:
     for variant in case.parameters["variants"]:
         for definition in ("section", "vorticity"):
             for direction in ("fixed", "follower"):
-                moment = {"value": [0.3, -0.7, 0.5], "definition": definition, "direction": direction}
-                model = Model(ancf.scene_from_dict(changed(case.scene, variant, moment=[moment])))
+                load = {"value": [0.3, -0.7, 0.5], "definition": definition, "direction": direction}
+                model = Model(ancf.scene_from_dict(changed(case.scene, variant, moment=[load])))
                 for e in _random_sections(model, rng):
                     for name, value in _identities(model, e, rng).items():
                         worst[name] = max(worst[name], value)
     return Outcome(worst, [Row(f"worst deviation: {name}", value, 0.0, "-") for name, value in worst.items()])
 
 
+def _loaded(model: Model) -> Any:
+    """The one moment of the scene, as the solver's effect."""
+    return moment.build(model.scene, model.rods)[0]
+
+
 def _random_sections(model: Model, rng: np.random.Generator, count: int = 5) -> Iterator[Floats]:
     """Nodal vectors (1, nodal, 3) of the loaded block, turned at random and deformed by some 10 %."""
-    e0 = model.q0[model.effects[0].dofs].reshape(1, -1, 3)
+    e0 = model.q0[_loaded(model).dofs].reshape(1, -1, 3)
     for _ in range(count):
         yield e0 @ exp(rng.normal(size=3)).T + 0.1 * _block_unit(model) * rng.normal(size=e0.shape)
 
 
 def _block_unit(model: Model) -> Floats:
     """Size (1, nodal, 3) of the loaded block's unknowns: element length for positions, 1 for gradients."""
-    unit = model.unit[model.effects[0].dofs].reshape(1, -1, 3)
+    unit = model.unit[_loaded(model).dofs].reshape(1, -1, 3)
     return np.where(unit == 1.0, 1.0, unit / model.scene.rods[0].elements)
 
 
 def _identities(model: Model, e: Floats, rng: np.random.Generator) -> dict[str, float]:
     """Deviations of the loaded block at e from the moment identities, relative to |M|."""
-    effect: Any = model.effects[0]
+    effect = _loaded(model)
     Q, tangent = effect.force_and_tangent(e)
     resultant = np.cross(e, Q).sum(axis=(0, 1))
     section = section_rotation(effect.point.N @ e[0], effect.point.W).R
@@ -153,7 +164,9 @@ def _identities(model: Model, e: Floats, rng: np.random.Generator) -> dict[str, 
     return {
         "sum of r_a x Q_a = M": float(np.max(np.abs(resultant - M))) / size,
         "power in a spin = M.w": abs(power - float(M @ spin)) / size,
-        "tangent against differences": float(np.max(np.abs(difference - predicted)) / np.max(np.abs(predicted))),
+        "tangent against differences": float(
+            np.max(np.abs(difference - predicted)) / np.max(np.abs(predicted))
+        ),
     }
 
 
@@ -166,7 +179,9 @@ def far_base(case: Case) -> Outcome:
     length = stiffness_of(near_scene).length
     found = far.tip().position - far.scene.rods[0].base.position
     exact = near.tip().position - near.scene.rods[0].base.position
-    rows = [Row(f"tip {a} - base", float(f), float(e), "m") for a, f, e in zip("xyz", found, exact, strict=True)]
+    rows = [
+        Row(f"tip {a} - base", float(f), float(e), "m") for a, f, e in zip("xyz", found, exact, strict=True)
+    ]
     observed = {
         "tip relative to the base": float(np.max(np.abs(found - exact))) / length,
         "tip rotation": float(np.max(np.abs(far.tip().rotation - near.tip().rotation))),

@@ -1,11 +1,12 @@
-"""Problems under a tip moment: helix, pure bending, bending and torsional stiffness, the vorticity moment's defect."""
+"""Problems under a tip moment: helix, pure bending, bending and torsional stiffness, the "
+"vorticity moment's defect."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from reference import analytic
 
+from reference import analytic
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import bending_angle, changed, in_si, solve, stiffness_of, twist_angle
@@ -44,10 +45,13 @@ def helix(case: Case) -> Outcome:
             np.max(np.linalg.norm(moment - load.value, axis=1)) / np.linalg.norm(load.value)
         )
         reaction = solution.reaction()[1]
-        observed["reaction moment"] = float(np.linalg.norm(reaction + load.value) / np.linalg.norm(load.value))
+        observed["reaction moment"] = float(
+            np.linalg.norm(reaction + load.value) / np.linalg.norm(load.value)
+        )
     wanted = {limit.quantity for limit in case.limits}
     rows = [
-        Row(f"tip {axis}", float(a), float(b), "m") for axis, a, b in zip("xyz", position, exact.position[0], strict=True)
+        Row(f"tip {axis}", float(a), float(b), "m")
+        for axis, a, b in zip("xyz", position, exact.position[0], strict=True)
     ]
     return Outcome({k: v for k, v in observed.items() if k in wanted}, rows, solution, scene)
 
@@ -73,7 +77,8 @@ def pure_bending(case: Case) -> Outcome:
 
 
 def bending_stiffness(case: Case) -> Outcome:
-    """EI_eff/EI from a tiny tip moment, for several Poisson ratios and bases, against the locking factor or 1."""
+    """EI_eff/EI from a tiny tip moment, for several Poisson ratios and bases, against the "
+    "locking factor or 1."""
     observed, rows = {}, []
     solution = scene = None
     numbers = stiffness_of(case.scene)
@@ -124,7 +129,9 @@ def vorticity_angle(case: Case) -> Outcome:
     for elements in case.parameters["elements"]:
         definition = case.parameters["definition"]
         scene = changed(
-            case.scene, {"elements": elements}, moment=[{"value": [0.0, 0.0, moment], "definition": definition}]
+            case.scene,
+            {"elements": elements},
+            moment=[{"value": [0.0, 0.0, moment], "definition": definition}],
         )
         solution = solve(scene)
         tip = solution.tip()

@@ -1,4 +1,5 @@
-"""Cost of finding the equilibrium: iterations and load steps. Our own earlier numbers, kept apart from references."""
+"""Cost of finding the equilibrium: iterations and load steps. Our own earlier numbers, kept "
+"apart from references."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from validation.scenes import changed, in_si, solve, stiffness_of
 
 
 def iterations(case: Case) -> Outcome:
-    """Linear solves and load steps of scenes that differ in slenderness (`slenderness` in the parameters, L/R)."""
+    """Linear solves and load steps of scenes that differ in slenderness (`slenderness` in the "
+    "parameters, L/R)."""
     observed: dict[str, float] = {}
     rows: list[Row] = []
     solution = scene = None

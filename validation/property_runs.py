@@ -53,7 +53,7 @@ def run(examples: int, seconds_each: float) -> Iterator[PropertyResult]:
             count += 1
             if not observed <= worst:
                 worst, seed = observed, key
-        limit = Limit(check.name, check.bound, check.unit, check.title, kind="non-regression")
+        limit = Limit(check.name, check.bound, check.unit, check.title)
         yield PropertyResult(
             check.name, check.title, check.bound, check.unit, count, judge(limit, check.name, worst), seed,
             time.perf_counter() - started,

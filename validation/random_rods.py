@@ -165,9 +165,9 @@ def random_rod(draws: Draws, element: str, allowed: RodRange | None = None) -> R
 
 
 def random_model(draws: Draws, element: str, allowed: RodRange | None = None) -> RodModel:
-    """Arrays of a random rod whose elements are unequal: a zero load stands off the uniform grid."""
+    """Arrays of a random rod whose elements are unequal: a load stands off the uniform grid."""
     rod = random_rod(draws, element, allowed)
-    marks = (Force(rod.name, draws.number(0.1, 0.9), np.zeros(3)),) if draws.choice((False, True)) else ()
+    marks = (Force(rod.name, draws.number(0.1, 0.9), np.ones(3)),) if draws.choice((False, True)) else ()
     return make_rod_model(Scene((rod,), forces=marks), rod, 0)
 
 

@@ -19,10 +19,8 @@ SCHEMA = 1
 def as_dict(run: Run) -> dict[str, Any]:
     """The run in the schema of `report.json`."""
     verdict, reasons = run.verdict
-    if verdict is Verdict.PASS and not run.complete:
-        shown = "PARTIAL"  # nobody should take a selection for the whole
-    else:
-        shown = str(verdict)
+    # Nobody should take a selection for the whole.
+    shown = "PARTIAL" if verdict is Verdict.PASS and not run.complete else str(verdict)
     verdicts = [r.verdict for r in run.cases]
     return _finite(
         {

@@ -7,22 +7,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import ancf
 import numpy as np
+from numpy.typing import NDArray
+
+import ancf
 from ancf.scene import Rod, Scene
 from ancf.solution import Solution
-from numpy.typing import NDArray
 from reference.rod import RodLoads, RodProperties
 
 Floats = NDArray[np.float64]
 
-# Power of the length in the unit of a load when it is given as a pure number: moments in E I/L, forces in E I/L^2, ...
+# Power of the length in the unit of a load when it is given as a pure number: moments in E I/L,
+# forces in E I/L^2, ...
 LOAD_UNITS = {"moment": 1, "force": 2, "line_load": 3}
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Numbers of a rod: length [m], E I (smaller) and G J of a plane section [N m2], E A [N], outer radius [m]."""
+    """Numbers of a rod: length [m], E I (smaller) and G J of a plane section [N m2], E A [N], "
+    "outer radius [m]."""
 
     length: float
     EI: float
@@ -69,7 +72,8 @@ def in_si(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def solve(scene: Mapping[str, Any]) -> Solution:
-    """Solve a scene dictionary; raises `NoEquilibrium` when there is none, so that no case compares half a result."""
+    """Solve a scene dictionary; raises `NoEquilibrium` when there is none, so that no case "
+    "compares half a result."""
     solution = ancf.solve(ancf.scene_from_dict(scene))
     if solution.status is not ancf.Status.CONVERGED:
         raise NoEquilibrium(f"{solution.status}: {solution.reason}")

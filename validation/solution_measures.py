@@ -243,24 +243,15 @@ def reciprocity(rod: Rod, a: Force, b: Force | Moment, step: float = 1e-4) -> fl
     """
     motions = []
     for load in (a, b):
-        # The other load is listed with zero magnitude: both solutions then have the same mesh.
-        pair = [
-            solved(
-                _loaded(
-                    rod, [replace(x, value=x.value * (sign * step if x is load else 0.0)) for x in (a, b)]
-                )
-            )
-            for sign in (1.0, -1.0)
-        ]
+        pair = [solved(_loaded(rod, replace(load, value=sign * step * load.value))) for sign in (1.0, -1.0)]
         motions.append([_conjugate(pair, at) for at in (a, b)])
     work_ab, work_ba = float(a.value @ motions[1][0]), float(b.value @ motions[0][1])
     own = float(np.sqrt(abs((a.value @ motions[0][0]) * (b.value @ motions[1][1]))))
     return abs(work_ab - work_ba) / own
 
 
-def _loaded(rod: Rod, loads: list[Force | Moment]) -> Scene:
-    moments = tuple(load for load in loads if isinstance(load, Moment))
-    return Scene((rod,), moments=moments, forces=tuple(load for load in loads if isinstance(load, Force)))
+def _loaded(rod: Rod, load: Force | Moment) -> Scene:
+    return Scene((rod,), forces=(load,)) if isinstance(load, Force) else Scene((rod,), moments=(load,))
 
 
 def _conjugate(plus_minus: list[Solution], load: Force | Moment) -> Floats:

@@ -1,4 +1,4 @@
-"""Error against time: pure bending to 90 degrees with 3243 and 3333, and the same rod as a 3-D solid on the same axes.
+"""Error against time: pure bending to 90 degrees with 3243, 3333 and a 3-D solid on the same axes.
 
 The reference is the solid on a mesh far finer than the one timed here. Beams therefore end on a floor, their
 model error, which no mesh removes; the solid ends on its own discretisation.
@@ -9,21 +9,23 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-import ancf
 import numpy as np
 
+import ancf
 from validation.criteria import Limit
 
 LENGTH, RADIUS, YOUNG, POISSON = 0.4, 0.01, 1.0e6, 0.3
 MOMENT = YOUNG * np.pi * RADIUS**4 / 4.0 * (np.pi / 2) / LENGTH
 
-# Mean of the end face by reference.solid.solid_pure_bending(0.4, 0.01, 1e6, 0.3, MOMENT, core=4, rings=2, slices=60):
+# Mean of the end face by reference.solid.solid_pure_bending(0.4, 0.01, 1e6, 0.3, MOMENT, core=4,
+# rings=2, slices=60):
 # 75 655 unknowns, 80 s. Error: axis 4e-6 by its h^4 law, section below 1e-5 from core 2, 3, 4.
 FINE_SOLID_TIP = np.array([0.253941107, 0.254864415, 0.0])
 FINE_SOLID_ERROR = 1e-5  # of L
 FLOOR = Limit(
     "error of 3333, finest mesh", 1.2e-3, "L",
-    "section behaviour of second order, 6e-4 to 9e-4 L at L/R = 40 and 90 degrees, is outside a linear section",
+    "section behaviour of second order, 6e-4 to 9e-4 L at L/R = 40 and 90 degrees, is outside a "
+    "linear section",
 )  # fmt: skip
 
 
@@ -61,7 +63,8 @@ def beam_points(repeats: int = 5, full: bool = False) -> list[WorkPoint]:
             error = float(np.linalg.norm(solution.tip().position - FINE_SOLID_TIP)) / LENGTH
             points.append(
                 WorkPoint(
-                    element, f"{elements} element{'s' if elements > 1 else ''}", solution.unknowns, error, min(seconds), float(np.median(seconds)),
+                    element, f"{elements} element{'s' if elements > 1 else ''}", solution.unknowns, error,
+                    min(seconds), float(np.median(seconds)),
                     repeats, solution.iterations,
                 )
             )  # fmt: skip
@@ -89,5 +92,3 @@ def solid_points(repeats: int = 2, full: bool = False) -> list[WorkPoint]:
             )
         )  # fmt: skip
     return points
-
-

@@ -16,11 +16,10 @@ Floats = NDArray[np.float64]
 class Effect(Protocol):
     """What the solver asks of a load.
 
-    `dofs` (m, nd) are the unknowns of its m blocks; `force` and `force_and_tangent` take the nodal vectors
-    of the
-    blocks e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and dQ/de
-    (m, nd, nd),
-    None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the load has none.
+    `dofs` (m, nd) are the unknowns of its m blocks; `force` and `force_and_tangent` take the nodal vectors of
+    the blocks e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and
+    dQ/de (m, nd, nd), None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the
+    load has none.
     """
 
     name: str

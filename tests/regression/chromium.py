@@ -92,7 +92,11 @@ class Browser:
     def open(self, page: Path, width: int, height: int = 844) -> None:
         """Load a file at a width in CSS pixels and wait until it has loaded."""
         self.call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=width < 600,
         )
         seen = len(self.events)
         self.call("Page.navigate", url=page.as_uri())

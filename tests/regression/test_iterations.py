@@ -19,7 +19,9 @@ WALKED = 60  # iterations in all with predictor = "none"
 
 def rod(element, slenderness, seed):
     base = Frame(rotation=random_rotation(RngDraws(np.random.default_rng(seed))))
-    return Rod("rod", 1.0, 12, Circle(1.0 / slenderness), SaintVenantKirchhoff(1e6, 0.3), element=element, base=base)
+    return Rod(
+        "rod", 1.0, 12, Circle(1.0 / slenderness), SaintVenantKirchhoff(1e6, 0.3), element=element, base=base
+    )
 
 
 def rolled(element, slenderness, angle, seed):
@@ -37,7 +39,10 @@ def pulled(element, slenderness, seed):
 
 
 CASES = [
-    *[("90 degrees", "3333", L, rolled("3333", L, np.pi / 2, int(L)), 5) for L in (40.0, 100.0, 200.0, 400.0)],
+    *[
+        ("90 degrees", "3333", L, rolled("3333", L, np.pi / 2, int(L)), 5)
+        for L in (40.0, 100.0, 200.0, 400.0)
+    ],
     ("90 degrees", "3243", 40.0, rolled("3243", 40.0, np.pi / 2, 1), 8),
     *[("full circle", "3333", L, rolled("3333", L, 2 * np.pi, int(L)), 8) for L in (40.0, 100.0, 400.0)],
     ("full circle", "3243", 40.0, rolled("3243", 40.0, 2 * np.pi, 2), 12),

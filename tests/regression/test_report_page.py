@@ -1,4 +1,5 @@
-"""The report opened from file:// in headless Chromium: self-contained, no broken anchor, readable on a phone and on A4."""
+"""The report opened from file:// in headless Chromium: self-contained, no broken anchor, "
+"readable on a phone and on A4."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ import pytest
 pytest.importorskip("matplotlib", reason="the report needs the extra [report]")
 pytest.importorskip("jinja2", reason="the report needs the extra [report]")
 
-from validation import runner  # noqa: E402
-from validation.report.page import write_page  # noqa: E402
+from validation import runner
+from validation.report.page import write_page
 
 _spec = importlib.util.spec_from_file_location("chromium", Path(__file__).with_name("chromium.py"))
 assert _spec and _spec.loader
@@ -22,7 +23,16 @@ _spec.loader.exec_module(chromium)
 
 EXECUTABLE = chromium.find_chromium()
 needs_browser = pytest.mark.skipif(EXECUTABLE is None, reason="no chromium on this machine")
-CASES = ("HX-3333-12", "TO-square-3333", "RM", "CB-600-literature", "FIG2-b", "FIG2-c", "IT-90-3243", "PIN-3243-full-4")
+CASES = (
+    "HX-3333-12",
+    "TO-square-3333",
+    "RM",
+    "CB-600-literature",
+    "FIG2-b",
+    "FIG2-c",
+    "IT-90-3243",
+    "PIN-3243-full-4",
+)
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +41,9 @@ def page(tmp_path_factory) -> Path:
     record = runner.run(wanted=CASES)
     rest = runner.run(parts=("locking", "hard cases"))
     record.locking, record.hard_cases = rest.locking, rest.hard_cases
-    quick = [s for s in runner.convergence.studies() if s.element == "3333" and s.name in ("bending", "stretch")]
+    quick = [
+        s for s in runner.convergence.studies() if s.element == "3333" and s.name in ("bending", "stretch")
+    ]
     record.convergence = [runner.convergence.run_study(s) for s in quick]
     record.work = runner.work_precision.beam_points(repeats=1)
     return write_page(record, tmp_path_factory.mktemp("report"))
@@ -48,7 +60,9 @@ def browser():
 def test_nothing_is_loaded_from_elsewhere(page):
     text = page.read_text()
     assert "<script" not in text
-    loaded = re.findall(r'(?:src|(?<!xlink:)href)="([^"#][^"]*)"', text) + re.findall(r"url\(([^)#]+)\)", text)
+    loaded = re.findall(r'(?:src|(?<!xlink:)href)="([^"#][^"]*)"', text) + re.findall(
+        r"url\(([^)#]+)\)", text
+    )
     assert all(address.startswith("data:") for address in loaded), loaded
     assert not re.findall(r"\b(?:nan|inf)\b", text.lower())
 
@@ -58,7 +72,11 @@ def test_no_console_error_and_no_request(page, browser):
     seen = len(browser.events)
     browser.open(page, 1280)
     events = browser.events[seen:]
-    said = [e for e in events if e["method"] in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")]
+    said = [
+        e
+        for e in events
+        if e["method"] in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
+    ]
     assert not said, json.dumps(said)[:500]
     asked = {e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"}
     assert page.as_uri() in asked
@@ -97,7 +115,8 @@ def test_the_verdict_is_readable_on_a_phone(page, browser):
     box = browser.evaluate(
         "(() => {const e = document.querySelector('.verdict .word'), r = e.getBoundingClientRect();"
         "return {text: e.textContent, left: r.left, right: r.right, bottom: r.bottom,"
-        " size: parseFloat(getComputedStyle(e).fontSize), body: parseFloat(getComputedStyle(document.body).fontSize)}})()"
+        " size: parseFloat(getComputedStyle(e).fontSize), body: "
+        "parseFloat(getComputedStyle(document.body).fontSize)}})()"
     )
     assert box["text"] in ("PASS", "FAIL", "PARTIAL")
     assert box["left"] >= 0
@@ -112,6 +131,9 @@ def test_it_prints_on_a4(page, browser):
     browser.open(page, 1280)
     pdf = browser.pdf()
     assert pdf.startswith(b"%PDF")
-    sizes = {(round(float(w)), round(float(h))) for w, h in re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)}
+    sizes = {
+        (round(float(w)), round(float(h)))
+        for w, h in re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    }
     assert sizes == {(595, 842)} or sizes == {(595, 841)} or sizes == {(596, 842)}, sizes
     assert len(re.findall(rb"/Type /Page\b", pdf)) >= 5

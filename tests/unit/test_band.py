@@ -36,7 +36,9 @@ def test_blocks_add_up_where_they_overlap():
     dense = np.zeros((5, 5))
     for d, block in zip(dofs, blocks, strict=True):
         dense[np.ix_(d, d)] += block
-    np.testing.assert_allclose(factorise(pattern, flat).solve(dense @ np.arange(5.0)), np.arange(5.0), atol=1e-12)
+    np.testing.assert_allclose(
+        factorise(pattern, flat).solve(dense @ np.arange(5.0)), np.arange(5.0), atol=1e-12
+    )
 
 
 def test_singular_matrix_is_named():

@@ -177,11 +177,25 @@ def test_impossible_destinations_are_refused_before_solving(
     assert "more than once" in refused(capsys, "solve", scene, scene, "--out", str(tmp_path / "o"))
 
 
-def test_full_disk_is_no_traceback(bent: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    # A folder where result.json belongs cannot be replaced by a file.
+def test_a_folder_in_the_place_of_a_result_is_refused_first(
+    bent: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     (tmp_path / "out" / "result.json").mkdir(parents=True)
     error = refused(capsys, "solve", str(bent), "--json", "--out", str(tmp_path / "out"))
-    assert "cannot be written" in error
+    assert "taken by a folder" in error
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["result.json"]
+
+
+def test_full_disk_is_no_traceback(
+    bent: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("ancf.io._write_csv", full)
+    error = refused(capsys, "solve", str(bent), "--json", "--out", str(tmp_path / "out"))
+    assert "cannot be written" in error and "No space left" in error
+    assert not list((tmp_path / "out").glob("result*"))
 
 
 def test_help_lists_commands_without_loading_them(

@@ -7,8 +7,10 @@ import pytest
 
 from ancf.elements import ELEMENTS
 
-# Polynomial degree along x that each director must reproduce: (axis, section vectors). Hermite cubic axis with two
-# slopes and linear section vectors for 3243; three-node Lagrange for 3333 (Nachbagauer, Gruber, Gerstmayr 2013).
+# Polynomial degree along x that each director must reproduce: (axis, section vectors). Hermite cubic axis
+# with two
+# slopes and linear section vectors for 3243; three-node Lagrange for 3333 (Nachbagauer, Gruber, Gerstmayr
+# 2013).
 DEGREES = {"3243": (3, 1), "3333": (2, 2)}
 H = 0.37  # m, any length
 
@@ -16,7 +18,11 @@ every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda
 
 
 def derivative(coefficients, order, x):
-    return np.polynomial.Polynomial(coefficients).deriv(order)(x) if order else np.polynomial.Polynomial(coefficients)(x)
+    return (
+        np.polynomial.Polynomial(coefficients).deriv(order)(x)
+        if order
+        else np.polynomial.Polynomial(coefficients)(x)
+    )
 
 
 @every_element
@@ -37,9 +43,15 @@ def test_a_vector_is_its_own_value_at_its_node_and_zero_at_the_others(element):
 @every_element
 def test_positions_are_a_partition_of_unity(element):
     xi = np.linspace(-1.0, 1.0, 7)
-    positions = [i for i in range(element.vectors_per_element) if element.vectors[i % len(element.vectors)] == (0, 0, 0)]
+    positions = [
+        i
+        for i in range(element.vectors_per_element)
+        if element.vectors[i % len(element.vectors)] == (0, 0, 0)
+    ]
     np.testing.assert_allclose(element.shape(xi, H)[:, 0, positions].sum(axis=1), 1.0, atol=1e-14)
-    np.testing.assert_allclose(element.shape(xi, H, derivative=1)[:, 0, positions].sum(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        element.shape(xi, H, derivative=1)[:, 0, positions].sum(axis=1), 0.0, atol=1e-12
+    )
 
 
 @every_element
@@ -92,7 +104,9 @@ def test_the_names_count_the_vectors():
 
 
 def test_default_axial_rules():
-    """interface.md: 2 points for 3333, 3 for 3243; full is 3 points or more for 3333, 5 for 3243 (benchmarks.md, pins)."""
+    """interface.md: 2 points for 3333, 3 for 3243; full is 3 points or more for 3333, 5 for 3243
+    (benchmarks.md, pins).
+    """
     assert (ELEMENTS["3333"].axial_points, ELEMENTS["3243"].axial_points) == (2, 3)
     assert ELEMENTS["3333"].full_points >= 3
     assert ELEMENTS["3243"].full_points == 5

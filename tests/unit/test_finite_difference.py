@@ -18,7 +18,9 @@ def test_derivative_of_a_known_function():
 
 
 def test_steps_follow_the_units():
-    """A coordinate of size 1e-6 gets a step of that size: with a step of 1e-5 the cubic would err by more than itself."""
+    """A coordinate of size 1e-6 gets a step of that size: with a step of 1e-5 the cubic would err by more
+    than itself.
+    """
     e, unit = np.full((1, 1, 3), 1e-6), np.array([[[1e-6, 1e-6, 1.0]]])
     K = difference_tangent(lambda e: e**3, e, unit)
     np.testing.assert_allclose(np.diagonal(K[0])[:2], 3e-12, rtol=1e-6)

@@ -38,7 +38,9 @@ def test_the_enhanced_split_adds_up_to_hooke(nu):
 
 
 def test_the_enhanced_parts_as_published():
-    """theory.md 3: D0 = diag(E, E, E, G, k_z G, k_y G); Dv = E nu/((1+nu)(1-2nu)) [[2nu,1,1],[1,2nu,1],[1,1,2nu]]."""
+    """theory.md 3: D0 = diag(E, E, E, G, k_z G, k_y G); Dv = E nu/((1+nu)(1-2nu))
+    [[2nu,1,1],[1,2nu,1],[1,1,2nu]].
+    """
     E, nu = 210.0, 0.3
     volume, axis = SaintVenantKirchhoff(E, nu).enhanced((0.7, 0.9))
     G = E / 2.6

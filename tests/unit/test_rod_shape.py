@@ -7,7 +7,14 @@ from hypothesis import given
 from ancf.elements import ELEMENTS
 from ancf.rod_shape import from_local, node_rotations, to_local
 from tests.strategies import draws
-from validation.random_rods import RodRange, bent_state, random_model, random_rotation, random_state, random_vector
+from validation.random_rods import (
+    RodRange,
+    bent_state,
+    random_model,
+    random_rotation,
+    random_state,
+    random_vector,
+)
 
 FINE = RodRange(elements=(2, 3, 5), slenderness=(8.0, 60.0))
 

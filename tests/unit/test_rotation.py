@@ -8,7 +8,7 @@ from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 from ancf.rotation import exp, hat, log, section_rotation
-from tests.strategies import rotations, vectors
+from tests.strategies import vectors
 
 
 @given(vectors(7.0))
@@ -67,7 +67,9 @@ def test_a_turned_section_has_that_rotation(seed):
 
 @given(st.integers(0, 2**20))
 def test_the_rotation_is_the_polar_factor(seed):
-    """R maximises sum_k d_k . R W_k: compare with SciPy's polar factor of A + a tiny completion along the normals."""
+    """R maximises sum_k d_k . R W_k: compare with SciPy's polar factor of A + a tiny completion along the
+    normals.
+    """
     W, R, rng = weights_and_directors(seed)
     d = np.vstack([np.zeros(3), np.linalg.solve(np.array([[2.0, 0.3], [0.3, 1.0]]), W[1:]) @ R.T])
     d[1:] += 0.2 * rng.normal(size=(2, 3))

@@ -73,8 +73,11 @@ def test_generalised_vectors_are_the_derivatives_of_the_position(name):
 def test_cylindrical_gradient_is_the_cartesian_one(name, source):
     """Paper eq. 42-45 with the corrections of paper-map.md, on a straight round rod in BCS:
 
-    F = I + T [[D11, D12, D13/r], [D21, D22, (D23 - u_t)/r], [D31, D32, (D33 + u_r)/r]] T^T, D_ij = d u_i / d(x, r, theta),
-    T the rotation about x by theta. The derivatives are central differences of the displacement in (x, r, theta).
+    F = I + T [[D11, D12, D13/r], [D21, D22, (D23 - u_t)/r], [D31, D32, (D33 + u_r)/r]] T^T,
+
+    D_ij = d u_i / d(x, r, theta),
+    T the rotation about x by theta. The derivatives are central differences of the displacement in (x, r,
+    theta).
     """
     allowed = RodRange(curved=(False,), shapes=("circle",), slenderness=(8.0, 20.0))
     model = random_model(source, name, allowed)
@@ -96,7 +99,8 @@ def test_cylindrical_gradient_is_the_cartesian_one(name, source):
     steps = 1e-5 * np.array([h, R, 1.0])
     D = np.column_stack(
         [
-            (displacement(*(np.array([x, r, theta]) + s)) - displacement(*(np.array([x, r, theta]) - s))) / (2 * s.sum())
+            (displacement(*(np.array([x, r, theta]) + s)) - displacement(*(np.array([x, r, theta]) - s)))
+            / (2 * s.sum())
             for s in np.diag(steps)
         ]
     )
@@ -110,14 +114,18 @@ def test_cylindrical_gradient_is_the_cartesian_one(name, source):
     )
     cylindrical = np.eye(3) + rotation(theta) @ inner @ rotation(theta).T
     y, z = (np.array([r * f(theta)]) for f in (np.cos, np.sin))
-    _, J = kernel.frame_and_gradients(model, state[model.mesh.nodes_of[0]].reshape(-1, 3), 2 * x / h - 1, h, y, z)
+    _, J = kernel.frame_and_gradients(
+        model, state[model.mesh.nodes_of[0]].reshape(-1, 3), 2 * x / h - 1, h, y, z
+    )
     # differences: t^2 u''' and eps u / t, u up to the length of the rod over steps of 1e-5 R
     np.testing.assert_allclose(cylindrical, A_o.T @ J[0], atol=1e-7 * (1 + np.abs(u).max() / R))
 
 
 @given(rotations(), draws())
 def test_section_frame_is_the_polar_rotation_of_the_section(rotation, source):
-    """A sheared reference r_y, r_z: x is the section normal, y and z are as near to r_y, r_z as can be, equally."""
+    """A sheared reference r_y, r_z: x is the section normal, y and z are as near to r_y, r_z as can be,
+    equally.
+    """
     element = ELEMENTS["3333"]
     shear = source.number(-0.3, 0.3)
     r_y, r_z = rotation @ [0, np.cos(shear), np.sin(shear)], rotation @ [0, np.sin(shear), np.cos(shear)]
@@ -142,7 +150,9 @@ def test_overlapping_reference_is_refused():
 
 @given(draws())
 def test_director_weights_are_first_moments_of_the_monomials(source):
-    """W_k = sum_b (int phi_k s_b dA) E_b: second moments of the section along the reference directors, 0 for the axis."""
+    """W_k = sum_b (int phi_k s_b dA) E_b: second moments of the section along the reference directors, 0 for
+    the axis.
+    """
     rotation = random_rotation(source)
     section = Rectangle(0.3, 0.1)
     d0 = np.vstack([random_vector(source), rotation[:, 1], rotation[:, 2]])

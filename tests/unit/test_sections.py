@@ -14,7 +14,8 @@ POWERS = [(p, q) for p in range(9) for q in range(9) if p + q <= 8]
 
 
 def disc_moment(p, q):
-    """Integral of y^p z^q over the unit disc: 2 G((p+1)/2) G((q+1)/2) / (G((p+q)/2 + 1) (p+q+2)), 0 if a power is odd.
+    """Integral of y^p z^q over the unit disc: 2 G((p+1)/2) G((q+1)/2) / (G((p+q)/2 + 1) (p+q+2)), 0 if a
+    power is odd.
 
     Polar coordinates and the beta function (Abramowitz, Stegun 6.2.1).
     """
@@ -29,7 +30,9 @@ def segment_moment(p, length):
 
 
 def green_moment(corners, p, q):
-    """Integral of y^p z^q over a polygon as the boundary integral of y^(p+1) z^q dz / (p+1), edge by edge (Green)."""
+    """Integral of y^p z^q over a polygon as the boundary integral of y^(p+1) z^q dz / (p+1), edge by edge
+    (Green).
+    """
     t, w = np.polynomial.legendre.leggauss(12)
     total = 0.0
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -98,16 +101,20 @@ def test_a_rule_of_lower_degree_gives_the_same_moments(section, degree):
 
 @given(sections())
 def test_points_weights_and_outline_belong_together(section):
-    y, z, w = section.quadrature(4)
+    _, _, w = section.quadrature(4)
     assert w.sum() == pytest.approx(section.area, rel=1e-13)
     outline = section.outline(400)
     following = np.roll(outline, -1, axis=0)
-    enclosed = 0.5 * np.sum(outline[:, 0] * following[:, 1] - outline[:, 1] * following[:, 0])  # > 0: counter-clockwise
+    enclosed = 0.5 * np.sum(
+        outline[:, 0] * following[:, 1] - outline[:, 1] * following[:, 0]
+    )  # > 0: counter-clockwise
     bore = pi * section.inner_radius**2 if isinstance(section, Annulus) else 0.0
     assert enclosed - bore == pytest.approx(section.area, rel=2e-3)  # 400 chords of a circle: 4e-5
     assert section.outer_radius == pytest.approx(np.hypot(*outline.T).max(), rel=1e-12)
     assert all(section.contains(*point) for point in outline)
-    assert not any(section.contains(*(1.01 * section.outer_radius * np.array([np.cos(a), np.sin(a)]))) for a in range(7))
+    assert not any(
+        section.contains(*(1.01 * section.outer_radius * np.array([np.cos(a), np.sin(a)]))) for a in range(7)
+    )
 
 
 def test_contains():

@@ -18,7 +18,9 @@ EI = 1e6 * np.pi * 0.02**4 / 4
 def scene(force=(0.0, 0.0, 0.0), moment=None, name="3333", **options):
     rod = Rod("rod", 1.0, 8, Circle(0.02), SaintVenantKirchhoff(1e6, 0.3), element=name)
     moments = () if moment is None else (Moment("rod", 1.0, np.array(moment)),)
-    return Scene((rod,), moments=moments, forces=(Force("rod", 1.0, np.array(force)),), solver=SolverOptions(**options))
+    return Scene(
+        (rod,), moments=moments, forces=(Force("rod", 1.0, np.array(force)),), solver=SolverOptions(**options)
+    )
 
 
 def plain(solution):
@@ -32,7 +34,11 @@ def plain(solution):
 def test_absurd_loads_end_in_a_typed_failure(name, size, kind):
     """issue 2: never NaN in a result, whatever the load."""
     load = (0.1 * size, 0.7 * size, -0.3 * size)
-    case = scene(load, name=name, max_seconds=5.0) if kind == "force" else scene(moment=load, name=name, max_seconds=5.0)
+    case = (
+        scene(load, name=name, max_seconds=5.0)
+        if kind == "force"
+        else scene(moment=load, name=name, max_seconds=5.0)
+    )
     solution = ancf.solve(case)
     assert solution.status in (ancf.Status.NOT_FINITE, ancf.Status.NOT_CONVERGED, ancf.Status.OUT_OF_TIME)
     result = plain(solution)
@@ -55,7 +61,7 @@ def test_the_budget_of_steps_ends_the_search():
     plain(solution)
     # the state is an equilibrium at the load factor it names
     model = solution.model
-    g = model.project(model.residual(solution.q).at(solution.load_factor)) / model.force_unit
+    g = model.system.project(model.residual(solution.q).at(solution.load_factor)) / model.force_unit
     assert np.abs(g).max() < 1e-9
 
 
@@ -67,12 +73,18 @@ def test_the_budget_of_time_ends_the_search():
 
 
 def test_compression_beyond_the_law_is_named():
-    """Saint Venant-Kirchhoff carries P = E A (s - s^3)/2 <= 0.19245 E A; a straight strut cannot carry 0.3 E A."""
+    """Saint Venant-Kirchhoff carries P = E A (s - s^3)/2 <= 0.19245 E A; a straight strut cannot carry 0.3 E
+    A.
+    """
     P = 0.3 * 1e6 * np.pi * 0.02**2
     case = scene((-P, 0.0, 0.0))
     free = replace(case.rods[0], supports=(Support(0.0, "free_section_clamp"),), elements=2, length=0.1)
     solution = ancf.solve(replace(case, rods=(free,)))
-    assert solution.status in (ancf.Status.MATERIAL_UNSTABLE, ancf.Status.LIMIT_POINT, ancf.Status.INVERTED_ELEMENT)
+    assert solution.status in (
+        ancf.Status.MATERIAL_UNSTABLE,
+        ancf.Status.LIMIT_POINT,
+        ancf.Status.INVERTED_ELEMENT,
+    )
     assert solution.load_factor < 0.19245 / 0.3 + 1e-6
     plain(solution)
 

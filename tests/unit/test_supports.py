@@ -9,7 +9,11 @@ from ancf.rotation import hat
 from ancf.supports import NodeSupport, support_rows
 from tests.strategies import rotations
 
-KINDS = {"clamp": None, "pin": 3, "free_section_clamp": 6}  # conditions; a clamp fixes all unknowns of the node
+KINDS = {
+    "clamp": None,
+    "pin": 3,
+    "free_section_clamp": 6,
+}  # conditions; a clamp fixes all unknowns of the node
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
 
@@ -45,7 +49,9 @@ def test_basis_and_projector(element, kind, frame):
 def test_clamp_holds_everything_and_pin_the_position(element):
     assert support("clamp", element).basis.size == 0
     pin = support("pin", element)
-    np.testing.assert_array_equal(pin.rows @ motion(element, r=[1, 2, 3], r_y=[4, 5, 6], r_z=[7, 8, 9]), [1, 2, 3])
+    np.testing.assert_array_equal(
+        pin.rows @ motion(element, r=[1, 2, 3], r_y=[4, 5, 6], r_z=[7, 8, 9]), [1, 2, 3]
+    )
     assert set(np.unique(pin.basis)) == {0.0, 1.0}  # unit vectors, exactly
 
 
@@ -54,7 +60,7 @@ def test_clamp_holds_everything_and_pin_the_position(element):
 def test_free_section_clamp_allows_contraction_and_nothing_rigid(element, frame):
     """interface.md: r = 0, r_y.x = r_z.x = 0, r_y.z = r_z.y in the base frame; r_x and the stretches free."""
     s = support("free_section_clamp", element, frame)
-    x, y, z = frame.T
+    _, y, z = frame.T
     for free in (
         motion(element, r_y=y),  # stretches
         motion(element, r_z=z),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 
 import pytest
+
 from validation.cases import CaseError, load_cases
 from validation.problems import PROBLEMS, run_case
 from validation.scenes import as_toml
@@ -20,7 +21,11 @@ name = "Saint-Venant"
 independence = "closed form"
 source = "Timoshenko"
 [scene]
-rod = [{ length = 0.4, elements = 2, section = { shape = "circle", radius = 0.01 }, material = { young_modulus = 1.0e6, poisson_ratio = 0.3 } }]
+[[scene.rod]]
+length = 0.4
+elements = 2
+section = { shape = "circle", radius = 0.01 }
+material = { young_modulus = 1.0e6, poisson_ratio = 0.3 }
 [[limit]]
 quantity = "torsion constant"
 value = 1e-6
@@ -93,7 +98,9 @@ def test_shipped_cases_load_and_name_known_problems():
     cases = load_cases()
     assert {case.problem for case in cases} <= set(PROBLEMS)
     # Every row of the benchmark table that belongs to this report.
-    assert {"RM", "PT", "AX", "HX", "PB", "LK", "TO", "EL", "MO", "CB", "pins"} <= {case.row for case in cases}
+    assert {"RM", "PT", "AX", "HX", "PB", "LK", "TO", "EL", "MO", "CB", "pins"} <= {
+        case.row for case in cases
+    }
     assert all(case.required for case in cases if case.set == "quick")
 
 
@@ -104,7 +111,11 @@ def test_a_case_is_judged(folder):
 
 
 def test_a_limit_that_nothing_meets_fails_the_case(folder):
-    change(folder, "[[case]]\nid = \"A\"", '[[limit]]\nquantity = "warping"\nvalue = 1.0\nunit = "-"\nreason = "x"\n[[case]]\nid = "A"')
+    change(
+        folder,
+        '[[case]]\nid = "A"',
+        '[[limit]]\nquantity = "warping"\nvalue = 1.0\nunit = "-"\nreason = "x"\n[[case]]\nid = "A"',
+    )
     result = run_case(load_cases(folder)[0])
     assert result.verdict == "FAIL"
     assert "warping" in result.reason

@@ -1,10 +1,12 @@
-"""Verdicts: thresholds 1.5 and 1 on the margin, a third of the limit for the reference (architecture, "Validation practice")."""
+"""Verdicts: thresholds 1.5 and 1 on the margin, a third of the limit for the reference (architecture,
+"Validation practice")."""
 
 from __future__ import annotations
 
 import math
 
 import pytest
+
 from validation.criteria import Limit, Verdict, judge, overall, worst
 
 

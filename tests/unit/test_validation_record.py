@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 from typer.testing import CliRunner
+
 from validation import cli, runner
 from validation.criteria import Verdict
 from validation.problems import CaseResult

@@ -36,7 +36,9 @@ def test_a_rod_inside_its_range_is_silent():
     ],
 )
 def test_each_limit_is_named(rod, v, words):
-    """theory.md 3 (locking factor 1.3462, slenderness), section 2 (finite strain), benchmarks.md TO (torsion)."""
+    """theory.md 3 (locking factor 1.3462, slenderness), section 2 (finite strain), benchmarks.md TO
+    (torsion).
+    """
     found = warnings(rod, v)
     if "12" in words:  # h / i = 0.125 / 0.01 = 12.5 is inside the limit of 25: no warning
         assert found == []

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import ancf
 import numpy as np
-from ancf.sections import Circle
-from ancf.solution import Pose, Solution
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+import ancf
+from ancf.sections import Circle
+from ancf.solution import Pose, Solution
 from validation.problems import CaseResult
 from validation.report.style import AXES, BLUE, INK, MUTED, ORANGE, new_figure, to_svg
 
@@ -30,7 +31,8 @@ def element() -> Markup:
     EI = 1e6 * np.pi * radius**4 / 4
     rod = {
         "length": length, "elements": 1, "element": "3243",
-        "section": {"shape": "circle", "radius": radius}, "material": {"young_modulus": 1e6, "poisson_ratio": 0.3},
+        "section": {"shape": "circle", "radius": radius},
+        "material": {"young_modulus": 1e6, "poisson_ratio": 0.3},
         "base": {"position": [0.16, -0.05, 0.09], "x_axis": [1, -0.15, 0.25], "y_axis": [0.2, 1, 0]},
     }  # fmt: skip
     moment = (np.array([0.25, -0.75, 0.3]) * EI / length).tolist()
@@ -41,19 +43,24 @@ def element() -> Markup:
     origin = np.zeros(3)
     for direction, name in zip(np.eye(3), ("X", "Y", "Z"), strict=True):
         _vector(axes, origin, 0.07 * direction, INK, name)
-    axes.annotate("SCS", VIEW @ origin, xytext=(-8, -16), textcoords="offset points", fontsize=10, color=INK)
+    axes.annotate("SCS", _drawn(origin), xytext=(-8, -16), textcoords="offset points", fontsize=10, color=INK)
     for at, node in ((0.0, "1"), (1.0, "2")):
         pose = solution.pose(None, at)
         _frame(axes, pose, 0.085, names=True)
-        start, end = VIEW @ origin, VIEW @ pose.position
-        axes.annotate("", end, start, arrowprops={"arrowstyle": "->", "color": MUTED, "lw": 1.1, "ls": (0, (5, 3))})
+        start, end = _drawn(origin), _drawn(pose.position)
+        axes.annotate(
+            "", end, start, arrowprops={"arrowstyle": "->", "color": MUTED, "lw": 1.1, "ls": (0, (5, 3))}
+        )
         share = 0.5 if node == "2" else 0.45
         axes.annotate(
-            f"$r^{{{node}}}$", start + share * (end - start), xytext=(4, -13), textcoords="offset points", color=MUTED,
+            f"$r^{{{node}}}$", _drawn(share * pose.position), xytext=(4, -13),
+            textcoords="offset points", color=MUTED,
             fontsize=11,
         )  # fmt: skip
         axes.plot(*end, "o", color=INK, ms=6, zorder=5)
-        axes.annotate(f"node {node}", end, xytext=(-8, -30), textcoords="offset points", fontsize=10, color=INK)
+        axes.annotate(
+            f"node {node}", end, xytext=(-8, -30), textcoords="offset points", fontsize=10, color=INK
+        )
     return to_svg(figure, "fig1", "One beam element with two nodes and the vectors r, r_x, r_y, r_z at each")
 
 
@@ -81,7 +88,9 @@ def scenes(results: Sequence[CaseResult]) -> Markup | None:
         axes.set_xlim(-0.27, 0.27)
         axes.set_ylim(-0.05, 0.50)
         axes.set_title(f"({names[k]})  {_load_text(solution)}", fontsize=10, loc="left")
-    return to_svg(figure, "fig2", "Four load cases of an arm along Z: undeformed and deformed, with tip frames")
+    return to_svg(
+        figure, "fig2", "Four load cases of an arm along Z: undeformed and deformed, with tip frames"
+    )
 
 
 def section() -> Markup:
@@ -99,17 +108,32 @@ def section() -> Markup:
         axes.annotate("", direction, (0, 0), arrowprops={"arrowstyle": "->", "color": INK, "lw": 1.2})
         axes.annotate(name, direction, xytext=(5, 3), textcoords="offset points", fontsize=12)
     theta, r = 0.9, 0.82
-    point = r * np.array([np.cos(theta), np.sin(theta)])
+    point = (r * np.cos(theta), r * np.sin(theta))
     axes.plot([0, point[0]], [0, point[1]], color=ORANGE, lw=1.6)
     axes.plot(*point, "o", color=ORANGE, ms=7)
-    axes.annotate("r", point / 2, xytext=(-12, 2), textcoords="offset points", color=ORANGE, fontsize=12)
+    axes.annotate(
+        "r",
+        (point[0] / 2, point[1] / 2),
+        xytext=(-12, 2),
+        textcoords="offset points",
+        color=ORANGE,
+        fontsize=12,
+    )
     arc = np.linspace(0, theta, 30)
     axes.plot(0.35 * np.cos(arc), 0.35 * np.sin(arc), color=ORANGE, lw=1.2)
-    axes.annotate("θ", (0.42 * np.cos(theta / 2), 0.42 * np.sin(theta / 2)), color=ORANGE, fontsize=12, va="center")
+    axes.annotate(
+        "θ", (0.42 * np.cos(theta / 2), 0.42 * np.sin(theta / 2)), color=ORANGE, fontsize=12, va="center"
+    )
     axes.annotate("R", (np.cos(-0.7), np.sin(-0.7)), xytext=(6, -10), textcoords="offset points", fontsize=12)
     axes.set_xlim(-1.1, 1.6)
     axes.set_ylim(-1.15, 1.5)
     return to_svg(figure, "fig3", "A circular section with radius, angle and quadrature points")
+
+
+def _drawn(point: Floats) -> tuple[float, float]:
+    """A point of space in the drawing."""
+    x, y = VIEW @ point
+    return float(x), float(y)
 
 
 def _canvas(axes: Any) -> Axes:
@@ -128,7 +152,7 @@ def _tube(axes: Axes, solution: Solution, fill: str, edge: str, reference: bool 
     angle = 2 * np.pi * np.arange(20) / 20
     y, z = radius * np.cos(angle), radius * np.sin(angle)
     rings = place(None, at[:, None], y[None], z[None]) @ VIEW.T  # type: ignore[arg-type]
-    pieces = [_hull(np.concatenate(pair)) for pair in zip(rings[:-1], rings[1:], strict=True)]
+    pieces = [_hull(np.concatenate(pair)) for pair in pairwise(rings)]
     axes.add_collection(PolyCollection(pieces, facecolors=fill, edgecolors=fill, linewidths=0.6))
     axis = place(None, at, 0.0, 0.0) @ VIEW.T  # type: ignore[arg-type]
     axes.plot(axis[:, 0], axis[:, 1], color=edge, lw=1.3, ls=(0, (5, 3)) if reference else "-")
@@ -150,12 +174,22 @@ def _frame(axes: Axes, pose: Pose, size: float, names: bool = False, alpha: floa
 
 
 def _vector(axes: Axes, start: Floats, value: Floats, colour: str, text: str, alpha: float = 1.0) -> None:
-    a, b = VIEW @ start, VIEW @ (start + value)
+    a, b = _drawn(start), _drawn(start + value)
     arrow = {"arrowstyle": "-|>", "color": colour, "lw": 1.8, "alpha": alpha, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", b, a, arrowprops=arrow, zorder=6)
     if text:
-        axes.annotate(text, b, xytext=8 * (b - a) / max(float(np.linalg.norm(b - a)), 1e-9), textcoords="offset points",
-                      ha="center", va="center", fontsize=10, color=colour)  # fmt: skip
+        step = np.subtract(b, a)
+        x, y = 8 * step / max(float(np.linalg.norm(step)), 1e-9)
+        axes.annotate(
+            text,
+            b,
+            xytext=(x, y),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=10,
+            color=colour,
+        )
     axes.update_datalim([a, b])
     axes.autoscale_view()
 

@@ -41,7 +41,9 @@ def margins(results: Sequence[CaseResult]) -> Markup:
             x = LARGEST_MARGIN if f.margin is None else float(np.clip(f.margin, 1e-3, LARGEST_MARGIN))
             dots.setdefault(DOTS[f.verdict], []).append((x, float(rows.index(result.case.row))))
     for (marker, colour), points in dots.items():
-        axes.plot(*zip(*points, strict=True), marker, color=colour, alpha=0.75, markersize=6, markeredgewidth=0)
+        axes.plot(
+            *zip(*points, strict=True), marker, color=colour, alpha=0.75, markersize=6, markeredgewidth=0
+        )
     axes.axvline(1.0, color=INK, lw=1.2)
     axes.axvline(WARN_MARGIN, color=MUTED, lw=0.9, ls=(0, (4, 3)))
     axes.set_xscale("log")
@@ -71,11 +73,13 @@ def convergence(results: Sequence[StudyResult]) -> Markup:
             guide = e[-1] * (n / n[-1]) ** -result.study.promised
             ax.loglog(n, guide, color=FAINT, lw=3.5, zorder=0)
             ax.annotate(
-                f"{result.slope:.1f}", (n[-1], e[-1]), xytext=(5, -3), textcoords="offset points", color=colour, fontsize=9,
+                f"{result.slope:.1f}", (n[-1], e[-1]), xytext=(5, -3),
+                textcoords="offset points", color=colour,
+                fontsize=9,
                 fontweight="bold",
             )  # fmt: skip
         ax.set_title(name, loc="left")
-        ticks = [n for n in (1, 2, 4, 8, 16, 32, 64)]
+        ticks = [1, 2, 4, 8, 16, 32, 64]
         ax.set_xticks(ticks, [str(n) for n in ticks])
         ax.minorticks_off()
         ax.set_xlim(0.8, 100)
@@ -89,12 +93,14 @@ def convergence(results: Sequence[StudyResult]) -> Markup:
     legend.plot([], [], color=FAINT, lw=3.5, label="promised slope")
     legend.legend(loc="center left", fontsize=10)
     legend.text(0.02, 0.1, "bold: fitted order", transform=legend.transAxes, fontsize=9, color=MUTED)
-    for ax in axes[0:: columns]:
+    for ax in axes[0::columns]:
         if ax.axison:
             ax.set_ylabel("error / L, or rad")
     for ax in axes[max(len(names) - columns, 0) : len(names)]:
         ax.set_xlabel("elements")
-    return to_svg(figure, "convergence", "Error against number of elements in five problems, with fitted orders")
+    return to_svg(
+        figure, "convergence", "Error against number of elements in five problems, with fitted orders"
+    )
 
 
 def locking(points: Sequence[LockingPoint]) -> Markup:
@@ -113,10 +119,26 @@ def locking(points: Sequence[LockingPoint]) -> Markup:
         found = [p for p in points if (p.element, p.formulation) == key]
         hollow = {"markerfacecolor": "white", "markeredgewidth": 1.6} if key == ("3243", "enhanced") else {}
         size = 9 if hollow else 6
-        axes.plot([p.poisson_ratio for p in found], [p.ratio for p in found], marker, color=colour, label=label, ms=size, **hollow)
+        axes.plot(
+            [p.poisson_ratio for p in found],
+            [p.ratio for p in found],
+            marker,
+            color=colour,
+            label=label,
+            ms=size,
+            **hollow,
+        )
     for x, text in ((0.3, "1.346"), (0.45, "3.793"), (0.49, "17.11")):
         value = (1 - x) / ((1 + x) * (1 - 2 * x))
-        axes.annotate(text, (x, value), xytext=(-8, 5), textcoords="offset points", ha="right", color=ORANGE, fontsize=9.5)
+        axes.annotate(
+            text,
+            (x, value),
+            xytext=(-8, 5),
+            textcoords="offset points",
+            ha="right",
+            color=ORANGE,
+            fontsize=9.5,
+        )
     axes.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
     axes.minorticks_off()
     axes.set_ylim(0.8, 250)
@@ -135,11 +157,26 @@ def work_precision(points: Sequence[WorkPoint]) -> Markup:
     for model in dict.fromkeys(p.model for p in points):
         found = [p for p in points if p.model == model]
         marker, colour, line = MARKS[model]
-        axes.loglog([p.fastest for p in found], [p.error for p in found], marker=marker, color=colour, ls=line, label=model)
+        axes.loglog(
+            [p.fastest for p in found],
+            [p.error for p in found],
+            marker=marker,
+            color=colour,
+            ls=line,
+            label=model,
+        )
         for p in found:
             axes.plot([p.fastest, p.median], [p.error, p.error], color=colour, lw=0.9, alpha=0.6)
             text = p.mesh.split()[0] if model != "solid hex27" else p.mesh
-            axes.annotate(text, (p.fastest, p.error), xytext=(-4, -11), textcoords="offset points", fontsize=8.5, color=colour, ha="right")
+            axes.annotate(
+                text,
+                (p.fastest, p.error),
+                xytext=(-4, -11),
+                textcoords="offset points",
+                fontsize=8.5,
+                color=colour,
+                ha="right",
+            )
     axes.set_xlabel("seconds for one solution (mark: fastest, line to the median)")
     axes.set_ylabel("tip error / L")
     axes.grid(visible=True)

@@ -23,11 +23,16 @@ def number(value: float | None, digits: int = 3) -> Markup:
         decimals = max(digits - 1 - exponent, 0)
         text = f"{value:.{decimals}f}"
         return Markup(escape(text.replace("-", "−")))
-    mantissa = f"{value / 10.0**exponent:.{digits - 1}f}" if exponent > -300 else f"{value:.{digits - 1}e}".split("e")[0]
+    mantissa = (
+        f"{value / 10.0**exponent:.{digits - 1}f}"
+        if exponent > -300
+        else f"{value:.{digits - 1}e}".split("e")[0]
+    )
     if mantissa.lstrip("-").startswith("10"):
         mantissa, exponent = mantissa.replace("10", "1", 1), exponent + 1
     mantissa = mantissa.replace("-", "−")
-    return Markup(f"{mantissa}&thinsp;×&thinsp;10<sup>{str(exponent).replace('-', '−')}</sup>")
+    power = f"10<sup>{str(exponent).replace('-', '−')}</sup>"
+    return Markup(f'<span class="num">{mantissa}&thinsp;×&thinsp;{power}</span>')
 
 
 def compact(value: float | None) -> Markup:
@@ -43,7 +48,7 @@ def compact(value: float | None) -> Markup:
     power = f"10<sup>{str(exponent).replace('-', '−')}</sup>"
     if abs(mantissa - 1.0) < 1e-9:
         return Markup(power)
-    return Markup(f"{mantissa:.3g}&thinsp;×&thinsp;{power}")
+    return Markup(f'<span class="num">{mantissa:.3g}&thinsp;×&thinsp;{power}</span>')
 
 
 def margin(value: float | None, kind: str = "reference") -> Markup:
@@ -59,7 +64,8 @@ def margin(value: float | None, kind: str = "reference") -> Markup:
 
 SIGNS = (
     (r"\bnu\b", "ν"), (r"\blambda\b", "λ"), (r"\bkappa\b", "κ"), (r"\btheta\b", "θ"), (r"\bpsi\b", "ψ"),
-    (r"\bpi\b", "π"), (r"sqrt\((\d+)\)", r"√\1"), (r"\^2\b", "²"), (r"\^3\b", "³"), (r"\^4\b", "⁴"), (r"\bL2\b", "L²"),
+    (r"\bpi\b", "π"), (r"sqrt\((\d+)\)", r"√\1"), (r"\^2\b", "²"), (r"\^3\b", "³"), (r"\^4\b", "⁴"),
+    (r"\bL2\b", "L²"), (r"\^T\b", "ᵀ"), (r" -> ", " → "),
     (r"\bm4\b", "m⁴"), (r"\b(\d(?:\.\d+)?)e-0?(\d+)\b", r"\1 × 10⁻\2"),
 )  # fmt: skip
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")

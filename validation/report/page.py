@@ -23,17 +23,13 @@ from validation.property_runs import SEED
 from validation.record import write_text
 from validation.report import figures_paper, figures_studies, numbers
 from validation.report.captions import captions
+from validation.report.coverage import coverage
 from validation.report.sketch import sketch
 from validation.report.style import styled
 from validation.runner import Run
 from validation.scenes import as_toml
 
 HERE = Path(__file__).parent
-LETTERS = {"closed form": "C", "rod integration": "R", "other code": "O", "identity": "I"}
-LOADS = (
-    "tip moment", "follower moment", "torsion", "tip force", "follower force", "axial force", "line load", "gravity",
-    "prescribed strain", "none",
-)  # fmt: skip
 CONTENTS = (
     ("not-shown", "What this report does not show"),
     ("coverage", "What was compared with what"),
@@ -62,6 +58,7 @@ class Card:
     rows: list[Row]
     sketch: Markup | None
     data: str
+    short: str
     toml: str
     slug: str
 
@@ -76,11 +73,16 @@ def render(run: Run) -> str:
     import jinja2
 
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
+        loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
     environment.filters.update(
-        pretty=numbers.pretty, number=numbers.number, compact=numbers.compact, margin=numbers.margin, seconds=numbers.seconds
+        pretty=numbers.pretty,
+        number=numbers.number,
+        compact=numbers.compact,
+        margin=numbers.margin,
+        seconds=numbers.seconds,
     )
     return environment.get_template("report.html.j2").render(context(run))
 
@@ -130,46 +132,10 @@ def sentence(run: Run) -> str:
         parts.append(f"{known} known limits are confirmed at their documented size")
     text = "; ".join(parts) + "."
     if held == len(checks) and run.complete and not run.skipped:
-        text += " The solver agrees with every independent answer it was held against, within the stated limits."
+        text += (
+            " The solver agrees with every independent answer it was held against, within the stated limits."
+        )
     return text
-
-
-def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
-    """Cases by element, law and load, with the kinds of reference; empty cells stay visible."""
-    cells: dict[tuple[str, str], Counter[str]] = {}
-    for result in results:
-        letter = LETTERS.get(result.case.reference.independence)
-        if letter is None:
-            continue
-        for name in _combinations(result.case):
-            for load in result.case.loads.split(", "):
-                cells.setdefault((name, load), Counter())[letter] += 1
-    rows = [f"{e}, {law}" for e in ("3333", "3243") for law in ("enhanced", "continuum")]
-    loads = [*LOADS, *sorted({load for _, load in cells} - set(LOADS))]
-    found = Counter(r.case.reference.independence for r in results)
-    checks = Counter()
-    for r in results:
-        checks[r.case.reference.independence] += len(r.findings)
-    return {
-        "loads": ["rigid motion" if load == "none" else load for load in loads],
-        "rows": [
-            {"name": name, "cells": [_cell(cells.get((name, load))) for load in loads]} for name in rows
-        ],
-        "kinds": [
-            {"name": name, "meaning": meaning, "cases": found[name], "checks": checks[name]}
-            for name, meaning in INDEPENDENCE.items()
-        ],
-    }  # fmt: skip
-
-
-def _cell(counts: Counter[str] | None) -> str:
-    return "" if not counts else " ".join(f"{letter}{counts[letter]}" for letter in "CROI" if counts[letter])
-
-
-def _combinations(case: Case) -> set[str]:
-    """Element and law of a case; several where it has variants."""
-    rods = [{**case.rod, **variant} for variant in case.parameters.get("variants", [{}])]
-    return {f"{rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}" for rod in rods}
 
 
 def _card(result: CaseResult) -> Card:
@@ -185,6 +151,7 @@ def _card(result: CaseResult) -> Card:
         rows=outcome.rows if outcome else [],
         sketch=sketch(solution, f"Rod of case {result.case.id}") if solution is not None else None,
         data=_data(result),
+        short=_short(result.case),
         toml=as_toml(outcome.scene) if outcome and outcome.scene else "",
         slug=name,
     )
@@ -199,7 +166,10 @@ def _data(result: CaseResult) -> str:
         count = len(case.parameters.get("variants", []))
         return "; ".join([f"{count} kinds of rod", *notes])
     rod = scene["rod"][0]
-    section = ", ".join(f"{k.replace('_', ' ')} {v:g} m" if isinstance(v, int | float) else str(v) for k, v in rod["section"].items())
+    section = ", ".join(
+        f"{k.replace('_', ' ')} {v:g} m" if isinstance(v, int | float) else str(v)
+        for k, v in rod["section"].items()
+    )
     material = rod["material"]
     parts = [
         f"{rod['elements']} elements {rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}",
@@ -210,6 +180,20 @@ def _data(result: CaseResult) -> str:
     if any(rod.get("curvature", ())):
         parts.append(f"stress-free curvature {list(rod['curvature'])} 1/m")
     return "; ".join(parts)
+
+
+def _short(case: Case) -> str:
+    """Mesh and element, which tell the cards of one family apart."""
+    if not case.scene or "variants" in case.parameters:
+        return ""
+    rod = case.rod
+    rule = f", {rod['axial_rule']} axial rule" if "axial_rule" in rod else ""
+    law = f", {rod['formulation']}" if "formulation" in rod else ""
+    section = rod["section"]
+    ratio = f", L/R = {rod['length'] / section['radius']:g}" if section["shape"] == "circle" else ""
+    if "elements" in case.parameters or "slenderness" in case.parameters:
+        return f"{rod.get('element', '3333')}{law}{rule}"
+    return f"{rod['elements']} × {rod.get('element', '3333')}{law}{rule}{ratio}"
 
 
 def _poisson(case: Case, material: dict[str, Any]) -> str:

@@ -1,14 +1,15 @@
-"""Small line drawings of solved rods: reference dashed, equilibrium solid, support hatched, load as an arrow."""
+"""Small line drawings of solved rods: reference dashed, equilibrium solid, support hatched, "
+"load as an arrow."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from ancf.solution import Solution
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from ancf.solution import Solution
 from validation.report.style import BLUE, INK, MUTED, ORANGE
 
 Floats = NDArray[np.float64]
@@ -61,10 +62,14 @@ def sketch(solution: Solution, label: str) -> Markup:
             for x, y in (nodes if len(nodes) <= 26 else nodes[:: len(nodes) // 12])
         ),
     ]
-    parts += [_support(place(_point(solution, s.at) @ view.T - 0.0)[0], _tangent(a, s.at)) for s in solution.scene.rods[0].supports]
+    parts += [
+        _support(place(_point(solution, s.at) @ view.T - 0.0)[0], _tangent(a, s.at))
+        for s in solution.scene.rods[0].supports
+    ]
     parts += _loads(solution, view, place)
     return Markup(
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+        'role="img" '
         f'aria-label="{Markup.escape(label)}">{"".join(parts)}</svg>'
     )
 
@@ -84,7 +89,8 @@ def _line(points: Floats, colour: str, width: float, dash: str = "") -> str:
 
 
 def _tangent(points: Floats, at: float) -> Floats:
-    """Unit direction of the drawn reference at a fraction of its length; upright where it points at the reader."""
+    """Unit direction of the drawn reference at a fraction of its length; upright where it "
+    "points at the reader."""
     index = min(int(at * (len(points) - 1)), len(points) - 2)
     step = points[index + 1] - points[index]
     length = float(np.linalg.norm(step))
@@ -102,7 +108,7 @@ def _support(place: Floats, tangent: Floats) -> str:
     return "".join(strokes)
 
 
-def _loads(solution: Solution, view: Floats, place) -> list[str]:  # noqa: ANN001
+def _loads(solution: Solution, view: Floats, place) -> list[str]:
     """Arrows of the point loads: one head for a force, two for a moment; a row of arrows for a line load."""
     scene, parts = solution.scene, []
     for load, heads in [(f, 1) for f in scene.forces] + [(m, 2) for m in scene.moments]:
@@ -128,16 +134,16 @@ def _arrow(foot: Floats, drawn: Floats, size: float, heads: int, reach: float = 
     direction = np.array([drawn[0], -drawn[1]]) / size
     shown = float(np.linalg.norm(direction))
     if shown < 0.25:
-        turn = ""
         if heads == 2:  # a moment towards the reader: an arc around the point
-            turn = (
-                f'<path d="M {foot[0] + 11:.1f} {foot[1]:.1f} A 11 11 0 1 0 {foot[0]:.1f} {foot[1] + 11:.1f}" '
+            return (
+                f'<path d="M {foot[0] + 11:.1f} {foot[1]:.1f} '
+                f'A 11 11 0 1 0 {foot[0]:.1f} {foot[1] + 11:.1f}" '
                 f'fill="none" stroke="{ORANGE}" stroke-width="2"/>'
                 f'<path d="M {foot[0] - 5:.1f} {foot[1] + 7.5:.1f} l 7 3.6 l -6 4.6 z" fill="{ORANGE}"/>'
             )
-            return turn
         return (
-            f'<circle cx="{foot[0]:.1f}" cy="{foot[1]:.1f}" r="6" fill="#fff" stroke="{ORANGE}" stroke-width="2"/>'
+            f'<circle cx="{foot[0]:.1f}" cy="{foot[1]:.1f}" r="6" '
+            f'fill="#fff" stroke="{ORANGE}" stroke-width="2"/>'
             f'<circle cx="{foot[0]:.1f}" cy="{foot[1]:.1f}" r="2" fill="{ORANGE}"/>'
         )
     unit = direction / shown
@@ -149,5 +155,7 @@ def _arrow(foot: Floats, drawn: Floats, size: float, heads: int, reach: float = 
     for k in range(heads):
         top = end - 6 * k * unit + 3 * unit
         corners = [top, top - 8 * unit + 3.6 * across, top - 8 * unit - 3.6 * across]
-        parts.append(f'<polygon points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in corners)}" fill="{ORANGE}"/>')
+        parts.append(
+            f'<polygon points="{" ".join(f"{x:.1f},{y:.1f}" for x, y in corners)}" fill="{ORANGE}"/>'
+        )
     return "".join(parts)

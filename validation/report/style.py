@@ -1,4 +1,5 @@
-"""How figures look, and how a matplotlib figure becomes inline SVG whose ids do not collide with another's."""
+"""How figures look, and how a matplotlib figure becomes inline SVG whose ids do not collide "
+"with another's."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
@@ -18,7 +19,7 @@ BLUE, ORANGE, GREEN, RED, VIOLET, SKY = "#0072B2", "#D55E00", "#009E73", "#B2182
 INK, MUTED, FAINT = "#1c2128", "#5d6873", "#c9d0d6"
 AXES = {"r_x": ORANGE, "r_y": GREEN, "r_z": BLUE}
 
-SETTINGS = {
+SETTINGS: Any = {
     "svg.fonttype": "none",  # text stays text: small files, searchable, the page's own font
     "svg.hashsalt": "ancf-report",
     "font.family": "sans-serif",
@@ -79,7 +80,8 @@ def to_svg(figure: Figure, name: str, title: str) -> Markup:
     width, height = (float(v) for v in re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', opening).groups())  # type: ignore[union-attr]
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" class="plot" '
-        f'viewBox="0 0 {width:g} {height:g}" width="{width * 4 / 3:.0f}" role="img" aria-label="{Markup.escape(title)}">'
+        f'viewBox="0 0 {width:g} {height:g}" width="{width * 4 / 3:.0f}" role="img" '
+        f'aria-label="{Markup.escape(title)}">'
     )
     return Markup(head + text[len(opening) :])
 

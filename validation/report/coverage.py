@@ -1,0 +1,56 @@
+"""What was compared with what: the matrix of elements, laws, loads and kinds of reference, "
+"empty cells included."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from validation.cases import INDEPENDENCE, Case
+from validation.problems import CaseResult
+
+LETTERS = {"closed form": "C", "rod integration": "R", "other code": "O", "identity": "I"}
+LOADS = (
+    "tip moment", "follower moment", "torsion", "tip force", "follower force", "axial force",
+    "line load", "gravity",
+    "prescribed strain", "none",
+)  # fmt: skip
+
+
+def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
+    """Cases by element, law and load, with the kinds of reference; empty cells stay visible."""
+    cells: dict[tuple[str, str], Counter[str]] = {}
+    for result in results:
+        letter = LETTERS.get(result.case.reference.independence)
+        if letter is None:
+            continue
+        for name in _combinations(result.case):
+            for load in result.case.loads.split(", "):
+                cells.setdefault((name, load), Counter())[letter] += 1
+    rows = [f"{e}, {law}" for e in ("3333", "3243") for law in ("enhanced", "continuum")]
+    loads = [*LOADS, *sorted({load for _, load in cells} - set(LOADS))]
+    found = Counter(r.case.reference.independence for r in results)
+    checks = Counter()
+    for r in results:
+        checks[r.case.reference.independence] += len(r.findings)
+    return {
+        "loads": ["rigid motion" if load == "none" else load for load in loads],
+        "rows": [
+            {"name": name, "cells": [_cell(cells.get((name, load))) for load in loads]} for name in rows
+        ],
+        "kinds": [
+            {"name": name, "meaning": meaning, "cases": found[name], "checks": checks[name]}
+            for name, meaning in INDEPENDENCE.items()
+        ],
+    }  # fmt: skip
+
+
+def _cell(counts: Counter[str] | None) -> str:
+    return "" if not counts else " ".join(f"{letter}{counts[letter]}" for letter in "CROI" if counts[letter])
+
+
+def _combinations(case: Case) -> set[str]:
+    """Element and law of a case; several where it has variants."""
+    rods = [{**case.rod, **variant} for variant in case.parameters.get("variants", [{}])]
+    return {f"{rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}" for rod in rods}
