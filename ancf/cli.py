@@ -6,6 +6,7 @@ Subcommands are entry points of the group ``ancf.commands`` and are imported onl
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import EntryPoint, entry_points
@@ -18,6 +19,7 @@ from ancf.errors import InputError, Message
 
 # Exit codes of the interface.
 DONE, INPUT_WRONG, NO_EQUILIBRIUM = 0, 2, 3
+PIPE_CLOSED = 141  # 128 + SIGPIPE, as a shell has it
 INTERRUPTED = 130  # as shells report Ctrl-C
 
 # One line each for the help, in the order of the help; the commands themselves are not imported for it.
@@ -126,6 +128,10 @@ def main(args: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if args is None else args)
     try:
         code = typer.main.get_command(app).main(args=arguments, prog_name="ancf", standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, `head` say, has gone; nothing more can or need be said to it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
     except InputError as error:
         return _refused(error.message)
     except ModuleNotFoundError as error:

@@ -162,6 +162,7 @@ def _finish(record: Run, written: list[Path]) -> None:
 
     console = Console(stderr=True, highlight=False)
     verdict, reasons = record.verdict
+    shown = "PARTIAL" if verdict is Verdict.PASS and not record.complete else str(verdict)
     counts = [r.verdict for r in record.cases]
     tally = ", ".join(f"{counts.count(v)} {v}" for v in Verdict if v in counts)
     if record.selection:
@@ -173,7 +174,7 @@ def _finish(record: Run, written: list[Path]) -> None:
                     f"limit {finding.limit.value:g}: {finding.verdict}"
                 )
     console.print(
-        f"[bold]{verdict}[/bold] ({record.scope}, {len(record.cases)} cases: {tally}; "
+        f"[bold]{shown}[/bold] ({record.scope}, {len(record.cases)} cases: {tally}; "
         f"{record.seconds['total']:.0f} s)"
     )
     for reason in reasons:
