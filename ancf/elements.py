@@ -95,34 +95,37 @@ class Element:
         -------
         (n, directors, nodal vectors of the element), node-major; [m^(orders)].
         """
+        coefficients, x_orders = self._interpolation
         xi = np.atleast_1d(np.asarray(xi, dtype=float))
-        result = np.zeros((len(xi), len(self.directors), self.vectors_per_element))
-        to_x = 2.0 / h
-        for director, columns, coefficients, x_orders in self._interpolations:
-            powers = np.stack([_monomial(p, derivative, xi) for p in range(len(columns))], axis=-1)
-            scale = np.array([to_x ** (derivative - order) for order in x_orders])
-            result[:, director, columns] = powers @ coefficients * scale
-        return result
+        powers = np.stack([_monomial(p, derivative, xi) for p in range(len(coefficients))], axis=-1)
+        scale = (2.0 / h) ** (derivative - x_orders)
+        return np.tensordot(powers, coefficients, axes=1) * scale
 
     @cached_property
-    def _interpolations(self) -> list[tuple[int, NDArray[np.intp], Floats, list[int]]]:
-        """Per director: columns of its nodal vectors, monomial coefficients, x-orders of the vectors."""
-        found = []
-        per_node = len(self.vectors)
-        for director, monomial in enumerate(self.directors):
+    def _interpolation(self) -> tuple[Floats, Floats]:
+        """Coefficients (powers of xi, directors, nodal vectors), and the x-order of each nodal vector."""
+        per_node, nodes = len(self.vectors), len(self.node_xi)
+        x_orders = np.tile([float(i) for i, _, _ in self.vectors], nodes)
+        blocks = []
+        for monomial in self.directors:
             local = [v for v, (_, j, k) in enumerate(self.vectors) if (j, k) == monomial]
-            conditions = [(node, v) for node in range(len(self.node_xi)) for v in local]
-            x_orders = [self.vectors[v][0] for _, v in conditions]
+            conditions = [(node, v) for node in range(nodes) for v in local]
             matrix = np.array(
                 [
-                    [_monomial(p, order, np.array(self.node_xi[node])) for p in range(len(conditions))]
-                    for (node, _), order in zip(conditions, x_orders, strict=True)
+                    [
+                        _monomial(p, self.vectors[v][0], np.array(self.node_xi[node]))
+                        for p in range(len(conditions))
+                    ]
+                    for node, v in conditions
                 ],
                 dtype=float,
             )
-            columns = np.array([node * per_node + v for node, v in conditions])
-            found.append((director, columns, np.linalg.inv(matrix), x_orders))
-        return found
+            blocks.append(([node * per_node + v for node, v in conditions], np.linalg.inv(matrix)))
+        highest = max(len(columns) for columns, _ in blocks)
+        coefficients = np.zeros((highest, len(blocks), per_node * nodes))
+        for director, (columns, inverse) in enumerate(blocks):
+            coefficients[: len(columns), director, columns] = inverse
+        return coefficients, x_orders
 
     def section_monomials(self, y: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
         """phi_k = y^j z^k/(j! k!) and its derivatives by y and z, each (n, directors)."""

@@ -87,9 +87,8 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
             rotations[i + 1] = rotations[i] @ _turn(ramp[i] * curvature)
     else:
         middle_x = 0.5 * (x[:-1] + x[1:])
-        beyond = (ends >= middle_x[:, None]).astype(float) @ total  # moment carried by each interval
-        for i, length in enumerate(ramp):
-            value = beyond[i]
+        carried = (ends >= middle_x[:, None]).astype(float) @ total  # moment in each interval
+        for i, (length, value) in enumerate(zip(ramp, carried, strict=True)):
             half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
             rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
     # Chord of a circular arc: shorter than the arc by sin(a/2)/(a/2).

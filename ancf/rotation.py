@@ -81,7 +81,7 @@ class SectionRotation:
 
     def spin(self) -> Floats:
         """dw/dd_k as (..., 3, directors, 3) [-]: dw = sum_k spin[:, k, :] dd_k."""
-        return np.einsum("...ij,...kjl->...ikl", self.G_inverse, hat(self.RW))
+        return np.swapaxes(self.G_inverse[..., None, :, :] @ hat(self.RW), -3, -2)
 
 
 def section_rotation(d: Floats, W: Floats) -> SectionRotation:
@@ -92,13 +92,14 @@ def section_rotation(d: Floats, W: Floats) -> SectionRotation:
     E_y, E_z: the same least-squares rotation of the section as in the 3-D solid, so that moments on both are
     conjugate to the same spin.
     """
-    A = np.einsum("...ki,...kj->...ij", d, W)
-    left, _, right = np.linalg.svd(A)
-    flip = np.sign(np.linalg.det(left) * np.linalg.det(right))
-    left = left.copy()
-    left[..., :, 2] *= flip[..., None]
+    A = np.swapaxes(d, -1, -2) @ W
+    left, singular, right = np.linalg.svd(A)
+    # The third singular value is zero, so the sign of the third direction is free: take det R = 1.
+    left[..., :, 2] *= np.sign(np.linalg.det(left @ right))[..., None]
+    singular[..., 2] = 0.0
+    left_T = np.swapaxes(left, -1, -2)
     R = left @ right
-    V = A @ np.swapaxes(R, -1, -2)
-    V = 0.5 * (V + np.swapaxes(V, -1, -2))
-    G = np.trace(V, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - V
-    return SectionRotation(R, V, np.linalg.inv(G), np.einsum("...ij,...kj->...ki", R, W))
+    V = (left * singular[..., None, :]) @ left_T
+    moment = np.sum(singular, axis=-1, keepdims=True) - singular  # eigenvalues of G, same directions
+    G_inverse = (left / moment[..., None, :]) @ left_T
+    return SectionRotation(R, V, G_inverse, W @ np.swapaxes(R, -1, -2))

@@ -176,9 +176,17 @@ def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
 
     d0 (..., directors, 3) are the reference directors, whose (1, 0) and (0, 1) rows are E_y and E_z.
     """
+    moments = _section_moments(element, section)
+    E = d0[..., [element.y_director, element.z_director], :]
+    return np.einsum("kb,...bi->...ki", moments, E)
+
+
+@lru_cache(maxsize=256)
+def _section_moments(element: Element, section: Section) -> Floats:
+    """int phi_k (y, z) dA, (directors, 2) [m4 for linear directors]."""
     y, z, weight = section.quadrature(element.section_degree)
     phi, _, _ = element.section_monomials(y, z)
     moments = np.einsum("n,nk,nb->kb", weight, phi, np.column_stack([y, z]))
     moments[0] = 0.0  # the axis runs through the centroid; remove the rounding
-    E = d0[..., [element.y_director, element.z_director], :]
-    return np.einsum("kb,...bi->...ki", moments, E)
+    moments.setflags(write=False)
+    return moments

@@ -1,5 +1,6 @@
 """Shape functions: nodality, partition of unity, completeness, derivatives."""
 
+from dataclasses import replace
 from math import factorial
 
 import numpy as np
@@ -84,7 +85,13 @@ def test_directors_interpolate_only_their_own_vectors(element):
         assert not N[:, director, foreign].any()
 
 
-@every_element
+# A section of second degree, as element 3363 will have it: the descriptor alone must carry it.
+QUADRATIC = replace(
+    ELEMENTS["3333"], name="quadratic", vectors=(*ELEMENTS["3333"].vectors, (0, 1, 1), (0, 2, 0), (0, 0, 2))
+)
+
+
+@pytest.mark.parametrize("element", [*ELEMENTS.values(), QUADRATIC], ids=lambda e: e.name)
 def test_section_monomials_are_taylor_terms(element):
     """phi = y^j z^k / (j! k!), so that the nodal vector is the derivative itself; slopes by differences."""
     y, z, t = 0.3, -0.7, 1e-6

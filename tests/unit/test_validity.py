@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import ancf
 from ancf.materials import SaintVenantKirchhoff
 from ancf.scene import Force, Moment, Rod, Scene
 from ancf.sections import Circle, Rectangle
@@ -33,6 +34,7 @@ def test_a_rod_inside_its_range_is_silent():
         (replace(ROD, axial_rule="full", elements=3), (0, 0, 0.5), ["locks", "33"]),
         (replace(ROD, section=Circle(0.08)), (0, 0, 2.0), ["Green-Lagrange strain", "exceeds 0.08"]),
         (replace(ROD, section=Rectangle(0.04, 0.04)), (0.5, 0, 0.3), ["torsion", "cannot warp"]),
+        (replace(ROD, elements=3), (0, 0, 2.5), ["elements are too long", "turns by 0.8", "0.7"]),
     ],
 )
 def test_each_limit_is_named(rod, v, words):
@@ -46,6 +48,38 @@ def test_each_limit_is_named(rod, v, words):
     assert len(found) == 1, found
     assert all(word in found[0] for word in words), found
     assert found[0].startswith("rod 'rod': ")
+
+
+def test_too_few_axial_points_are_named():
+    """theory.md 3: 3243 with two axial points has spurious zero modes."""
+    scene = Scene(
+        (replace(ROD, element="3243", axial_rule=2),), moments=(Moment("rod", 1.0, np.array([0, 0, 1e-4])),)
+    )
+    assert any("below the 3 points" in text and "zero-energy" in text for text in ancf.solve(scene).warnings)
+
+
+@pytest.mark.parametrize(("share", "unstable"), [(0.9, False), (1.5, True)])
+def test_a_strut_beyond_its_buckling_load_is_called_unstable(share, unstable):
+    """Euler, P = pi^2 E I/(4 L^2) about the weak axis; the strong axis holds 4 times as much: one negative
+    eigenvalue.
+    """
+    rod = replace(ROD, section=Rectangle(0.04, 0.02))
+    P = share * np.pi**2 / 4 * bending_stiffness(rod)
+    solution = solved(Scene((rod,), forces=(Force("rod", 1.0, np.array([-P, 0.0, 0.0])),)))
+    assert any("unstable" in text for text in solution.warnings) is unstable
+
+
+@pytest.mark.parametrize("name", ["3243", "3333"])
+def test_the_sign_of_the_determinant_is_that_of_the_tangent(name):
+    """`determinant_sign` against a dense factorisation, on both sides of the buckling load."""
+    rod = replace(ROD, section=Rectangle(0.04, 0.02), element=name)
+    for share in (0.5, 1.5, 3.0):
+        P = share * np.pi**2 / 4 * bending_stiffness(rod)
+        solution = solved(Scene((rod,), forces=(Force("rod", 1.0, np.array([-P, 0.0, 0.0])),)))
+        B = solution.model.boundary_matrix().toarray()
+        unit = B.T @ solution.model.unit
+        sign, _ = np.linalg.slogdet(solution.tangent().toarray() * unit * unit[:, None])
+        assert solution.determinant_sign == sign
 
 
 def test_full_hooke_at_zero_poisson_ratio_does_not_lock():
