@@ -73,6 +73,16 @@ def test_moments_of_a_polygon_that_is_not_convex():
     np.testing.assert_allclose(angle.second_moments, [[first, product], [product, first]], rtol=1e-13)
 
 
+def test_a_polygon_drawn_far_away_keeps_its_digits():
+    """Corners are stored to eps of their distance, 1e6 sides off to 1e-10: moments keep those digits."""
+    corners = np.array([(0.0, 0.0), (2.0, 0.0), (2.5, 1.0), (0.0, 1.5)])
+    near, far = (
+        Polygon(tuple(map(tuple, corners + shift))) for shift in (0.0, 2.0**20)
+    )  # exactly representable
+    np.testing.assert_allclose(far.corners, near.corners, atol=1e-15)
+    np.testing.assert_allclose(far.second_moments, near.second_moments, rtol=1e-14)
+
+
 def test_second_moments_name_the_axes():
     """[[int y^2, int y z], [int y z, int z^2]]: a rectangle tall in y is stiff about z, h^3 w / 12."""
     tall = Rectangle(0.3, 0.1)

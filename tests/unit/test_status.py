@@ -107,3 +107,19 @@ def test_the_tolerance_is_used(tolerance):
     tight = ancf.solve(scene((0.0, 3.0 * EI, 0.0)))
     assert loose.history[-1].step <= tolerance
     assert loose.iterations < tight.iterations
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+@pytest.mark.parametrize("load", [1.0, 5.0, 10.0])
+def test_a_small_step_alone_is_not_convergence(tolerance, load):
+    """theory.md 6: step *and* residual. A slender rod (A L^2/I = 6e5) answers a step of 1e-3 by a residual of
+    0.6.
+    """
+    rod = Rod("rod", 1.0, 8, Circle(0.0025), SaintVenantKirchhoff(1e6, 0.3))
+    force = Force("rod", 1.0, np.array([0.0, load, 0.0]) * 1e6 * np.pi * 0.0025**4 / 4)
+    solution = ancf.solve(Scene((rod,), forces=(force,), solver=SolverOptions(tolerance=tolerance)))
+    assert solution.status is ancf.Status.CONVERGED
+    assert solution.residual <= max(tolerance, solution.residual_floor)
+    model = solution.model
+    g = model.system.project(model.residual(solution.q).at(1.0)) / model.force_unit
+    assert np.abs(g).max() == pytest.approx(solution.residual, rel=1e-6)
