@@ -1,7 +1,7 @@
 r"""Start values for Newton: the rod under its moments, and extrapolation of an equilibrium path.
 
-Moments fixed in space on a straight round rod clamped at one end give a helix in closed form (the internal
-moment is constant in space between loads). The same idea serves every section and reference curvature: with
+Moments fixed in space on a straight round rod clamped at one end give helices in closed form: the internal
+moment is constant in space between loads. The same idea serves every section and reference curvature: with
 M(x) known,
 
     R' = R hat(k_0 + C^-1 R^T M),   r' = R e_x,
@@ -88,9 +88,13 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     else:
         middle_x = 0.5 * (x[:-1] + x[1:])
         carried = (ends >= middle_x[:, None]).astype(float) @ total  # moment in each interval
-        for i, (length, value) in enumerate(zip(ramp, carried, strict=True)):
-            half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
-            rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
+        bending = compliance[1:, 1:] - compliance[1, 1] * np.eye(2)
+        if not np.any(curvature) and np.max(np.abs(bending)) < 1e-12 * compliance[1, 1]:
+            _helices(rotations, x, carried, compliance)
+        else:
+            for i, (length, value) in enumerate(zip(ramp, carried, strict=True)):
+                half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
+                rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
     # Chord of a circular arc: shorter than the arc by sin(a/2)/(a/2).
     theta = log(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
     middle = rotations[:-1] @ exp(0.5 * theta)
@@ -102,6 +106,20 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
     q[:, rod.element.vectors.index(R)] = r
     return q
+
+
+def _helices(rotations: Floats, x: Floats, carried: Floats, compliance: Floats) -> None:
+    """Fill in the section frames (n, 3, 3) of a straight rod with equal bending stiffnesses from the first.
+
+    Where the moment M is constant, R(x) = Exp(M x / EI) R(0) Exp(psi x e_x) with psi = (1/GJ - 1/EI) M . t
+    and the constant axial part M . t of the moment: a helix.
+    """
+    starts = np.flatnonzero(np.any(np.diff(carried, axis=0) != 0.0, axis=1)) + 1
+    for a, b in zip([0, *starts], [*starts, len(carried)], strict=True):
+        M, distance = carried[a], (x[a : b + 1] - x[a])[:, None]
+        psi = (compliance[0, 0] - compliance[1, 1]) * (M @ rotations[a, :, 0])
+        bent = exp(distance * compliance[1, 1] * M) @ rotations[a]
+        rotations[a : b + 1] = bent @ exp(distance * np.array([psi, 0.0, 0.0]))
 
 
 def _turn(v: Floats) -> Floats:

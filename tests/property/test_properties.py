@@ -25,7 +25,7 @@ def test_kernel_property(prop, element, source):
 
 
 @pytest.mark.parametrize(("prop", "element"), SOLVED)
-@settings(max_examples=fewer(4))
+@settings(max_examples=fewer(2))
 @given(source=draws())
 def test_solution_property(prop, element, source):
     observed = prop.observe(source, element)

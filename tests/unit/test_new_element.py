@@ -42,7 +42,7 @@ def twist(element: str, supports: tuple[Support, ...]) -> float:
 
 
 def test_bilinear_section_warps():
-    """Free to warp at the tip only; the clamp restrains it, so 8 elements are a little stiffer than the limit."""
+    """The clamp restrains warping, so the rod is a little stiffer than the limit."""
     assert twist("3333", (Support(),)) == pytest.approx(5 / 12, rel=1e-6)  # (I_y + I_z) / a b^3
     assert twist("3343", (Support(),)) == pytest.approx(4 / 15, rel=2e-2)
 

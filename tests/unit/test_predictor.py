@@ -55,6 +55,15 @@ def test_a_tip_moment_gives_the_helix(name, direction, base, v, share):
     np.testing.assert_allclose(q[:, y], exact.rotation @ base[:, 1], atol=5e-4 * size)
 
 
+@pytest.mark.parametrize("direction", ["fixed", "follower"])
+def test_plane_bending_starts_on_the_circle(direction):
+    """The midpoint rule is exact for constant curvature in a plane, and chords are shorter than arcs."""
+    model, q = start(Scene((rod(),), moments=(Moment("rod", 1.0, np.array([0, 0, 1.7]) * EI, direction),)))
+    x = model.mesh.node_x
+    circle = np.column_stack([np.sin(1.7 * x), 1 - np.cos(1.7 * x), 0 * x]) / 1.7
+    np.testing.assert_allclose(q[:, 0], circle, atol=1e-13)
+
+
 def test_curved_rods_of_any_section_start_near_the_rod_solution():
     """Reissner rod by collocation (reference.rod): a curved rod, I_y unlike I_z, moments about all axes."""
     section, k = Rectangle(0.03, 0.02), np.array([0.5, -0.6, 0.8])

@@ -80,7 +80,7 @@ def test_crushed_rod_is_an_unstable_material():
 
 
 def test_elements_too_long_are_warned_about():
-    """Two turns on 12 elements: 1.05 rad an element, tip 8e-3 L off (measured against the helix, L/R = 400)."""
+    """Two turns on 12 elements: 1.05 rad an element, tip 8e-3 L off the helix (L/R = 400)."""
     rod = arm(length=4.0, elements=12)
     EI = 1e6 * np.pi * 0.01**4 / 4
     for turns, warned in ((1.0, False), (2.0, True)):
