@@ -45,9 +45,12 @@ class Property:
         return self.elements or tuple(ELEMENTS)
 
     def run(self, rng: np.random.Generator) -> float:
-        """Observed value of one random example."""
+        """Observed value of one random example; infinite where a scene that has a solution was not solved."""
         draws = RngDraws(rng)
-        return self.observe(draws, draws.choice(self.element_names))
+        try:
+            return self.observe(draws, draws.choice(self.element_names))
+        except solution.NotConverged:
+            return float(np.inf)
 
 
 PROPERTIES: tuple[Property, ...] = (
