@@ -100,8 +100,7 @@ class ElasticRod:
 
     def force(self, e: Floats) -> Floats:
         """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""
-        Q_v = self.vector_force(self.generalised(e))
-        return np.einsum("epin,epia->ena", self._N_full(len(e)), Q_v)
+        return self._force_to_nodes(self.vector_force(self.generalised(e)))
 
     def force_and_tangent(self, e: Floats, e_previous: Floats | None = None) -> tuple[Floats, Floats]:
         """Elastic force (n_el, nodal, 3) and tangent (n_el, 3 nodal, 3 nodal), symmetric.
@@ -110,38 +109,59 @@ class ElasticRod:
         """
         v = self.generalised(e)
         S = self._symmetric(self._stress(self.gamma(v)))
-        Q = np.einsum("epin,epia->ena", self._N_full(len(e)), S @ v)
+        Q = self._force_to_nodes(S @ v)
         if e_previous is not None:
             v_previous = self.generalised(e_previous)
             S = self._symmetric(self._stress(self.predicted_gamma(v, v_previous)))
-        return Q, self.material_tangent(v) + self.geometric_tangent(S)
+        return Q, self._tangent_to_nodes(self._material(v) + _times_identity(S))
 
     def material_tangent(self, v: Floats) -> Floats:
         """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at generalised vectors v."""
+        return self._tangent_to_nodes(self._material(v))
+
+    def geometric_tangent(self, S: Floats) -> Floats:
+        """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""
+        return self._tangent_to_nodes(_times_identity(S))
+
+    def _material(self, v: Floats) -> Floats:
+        """B_v^T H B_v (n_el, points, 3 vectors, 3 vectors) on the generalised vectors."""
         n_el, points, count, _ = v.shape
         i, j = self._pairs
         index = np.arange(len(i))
         B_v = np.zeros((n_el, points, len(i), count, 3))
         B_v[:, :, index, i] = v[:, :, j]
         B_v[:, :, index, j] += v[:, :, i]
-        nodal = self.N.shape[-1]
-        # (pairs, vectors, 3) -> (pairs, nodal, 3): the axial map acts on the vector index alone.
-        B = np.matmul(np.swapaxes(self.N, -1, -2)[:, :, None], B_v).reshape(n_el, points, len(i), 3 * nodal)
-        HB = self.H @ B
-        size = 3 * nodal
-        return np.matmul(np.swapaxes(B.reshape(n_el, -1, size), -1, -2), HB.reshape(n_el, -1, size))
+        B_v = B_v.reshape(n_el, points, len(i), 3 * count)
+        return np.swapaxes(B_v, -1, -2) @ (self.H @ B_v)
 
-    def geometric_tangent(self, S: Floats) -> Floats:
-        """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""
-        scalar = np.sum(np.swapaxes(self.N, -1, -2) @ (S @ self.N), axis=1)
-        n_el, nodal, _ = scalar.shape
-        K = np.zeros((n_el, nodal, 3, nodal, 3))
-        for a in range(3):
-            K[:, :, a, :, a] = scalar
-        return K.reshape(n_el, 3 * nodal, 3 * nodal)
+    @cached_property
+    def _N_stacked(self) -> Floats:
+        """N of all points side by side, transposed: (n_el or 1, nodal, points * vectors)."""
+        kinds, points, count, nodal = self.N.shape
+        return np.swapaxes(self.N.reshape(kinds, points * count, nodal), -1, -2)
 
-    def _N_full(self, n_el: int) -> Floats:
-        return np.broadcast_to(self.N, (n_el, *self.N.shape[1:]))
+    @cached_property
+    def _N_components(self) -> Floats:
+        """N (x) I, (n_el or 1, points, 3 vectors, 3 nodal)."""
+        return np.asarray(np.kron(self.N, np.eye(3)), dtype=float)
+
+    def _force_to_nodes(self, Q_v: Floats) -> Floats:
+        return np.matmul(self._N_stacked, Q_v.reshape(len(Q_v), -1, 3))
+
+    def _tangent_to_nodes(self, K_v: Floats) -> Floats:
+        N = self._N_components
+        kinds, points, rows, size = N.shape
+        half = (K_v @ N).reshape(len(K_v), points * rows, size)
+        return np.swapaxes(N.reshape(kinds, points * rows, size), -1, -2) @ half
+
+
+def _times_identity(S: Floats) -> Floats:
+    """S (x) I: (..., 3 n, 3 n) from (..., n, n)."""
+    n = S.shape[-1]
+    K = np.zeros((*S.shape[:-2], n, 3, n, 3))
+    for a in range(3):
+        K[..., a, :, a] = S
+    return K.reshape(*S.shape[:-2], 3 * n, 3 * n)
 
 
 def _gram(v: Floats, w: Floats) -> Floats:

@@ -123,7 +123,7 @@ def smallest_determinant(model: Model, q: Floats) -> tuple[str, int, float]:
     for rod in model.rods:
         v, count = rod.generalised(q), len(rod.element.directors)
         r_y, r_z = v[:, :, count + rod.element.y_director - 1], v[:, :, count + rod.element.z_director - 1]
-        determinant = np.einsum("epi,epi->ep", v[:, :, 0], np.cross(r_y, r_z))
+        determinant = np.linalg.det(np.stack([v[:, :, 0], r_y, r_z], axis=-1))
         worst = np.unravel_index(np.argmin(determinant), determinant.shape)
         found.append((rod.rod.name, int(worst[0]), float(determinant[worst])))
     return min(found, key=lambda entry: entry[2])

@@ -93,6 +93,8 @@ def reference_axis(x: Floats, curvature: Floats) -> tuple[Floats, Floats]:
     c_1 = (1 - cos(a x))/a^2, c_2 = (a x - sin(a x))/a^3, a = |k|.
     """
     x = np.asarray(x, dtype=float)
+    if not np.any(curvature):
+        return x[:, None] * np.array([1.0, 0.0, 0.0]), np.broadcast_to(np.eye(3), (len(x), 3, 3))
     angle = np.linalg.norm(curvature) * x
     small = angle < 1e-3
     safe = np.where(small, 1.0, angle)

@@ -15,14 +15,20 @@ Floats = NDArray[np.float64]
 _SMALL_ANGLE = 1e-4  # below it the series to fourth order is exact in float64 (1e-16 / 720)
 
 
+# hat(v) is linear in v: row k holds the skew matrix of unit vector k. One product beats six assignments.
+_HAT = np.array(
+    [
+        [[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+        [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+    ]
+).reshape(3, 9)
+
+
 def hat(v: Floats) -> Floats:
     """Skew matrix (..., 3, 3) with hat(v) a = v x a."""
-    v = np.asarray(v)
-    matrix = np.zeros((*v.shape, 3))
-    matrix[..., 0, 1], matrix[..., 0, 2] = -v[..., 2], v[..., 1]
-    matrix[..., 1, 0], matrix[..., 1, 2] = v[..., 2], -v[..., 0]
-    matrix[..., 2, 0], matrix[..., 2, 1] = -v[..., 1], v[..., 0]
-    return matrix
+    v = np.asarray(v, dtype=float)
+    return (v @ _HAT).reshape(*v.shape, 3)
 
 
 def exp(v: Floats) -> Floats:

@@ -111,7 +111,10 @@ def _registry() -> Any:
     """Build pint's registry once: it takes some 0.3 s."""
     import pint
 
-    return pint.UnitRegistry()
+    try:
+        return pint.UnitRegistry(cache_folder=":auto:")  # pint's parsed definitions, in the user's cache
+    except OSError:  # no home to write to
+        return pint.UnitRegistry()
 
 
 def _refuse(text: str, dimension: Dimension, where: str, reason: str, cause: str) -> NoReturn:

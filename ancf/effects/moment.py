@@ -88,7 +88,7 @@ class SectionMoment(_PointMoment):
         hat_mu, hat_RW = hat(mu), hat(RW)
         # Columns of the (3, 3 directors) matrices below are the components of the directors.
         dw = rotation.spin().reshape(3, -1)
-        dV_mu = np.kron(RW @ mu, np.eye(3)) + rotation.V @ hat_mu @ dw
+        dV_mu = (np.eye(3)[:, None] * (RW @ mu)[:, None]).reshape(3, -1) + rotation.V @ hat_mu @ dw
         # tr(dV) = sum_k RW_k . dd_k: the trace of the symmetric V times a skew matrix is zero.
         dG_mu = np.outer(mu, RW) - dV_mu
         dM = -hat(M) @ dw if self.follower else 0.0
