@@ -17,7 +17,7 @@ from scipy.linalg import get_lapack_funcs
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_gbtrf, _gbtrs = get_lapack_funcs(("gbtrf", "gbtrs"), dtype=np.float64)
+_gbtrf, _gbtrs, _pbtrf = get_lapack_funcs(("gbtrf", "gbtrs", "pbtrf"), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -74,3 +74,10 @@ def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
     if info > 0:
         raise SingularMatrixError(f"zero pivot at unknown {info - 1}")
     return BandLU(pattern, lu, pivots)
+
+
+def is_positive_definite(pattern: BandPattern, flat: Floats) -> bool:
+    """Whether a symmetric matrix in flat band storage has positive eigenvalues only (Cholesky succeeds)."""
+    lower = flat.reshape(3 * pattern.b + 1, pattern.n)[2 * pattern.b :]
+    _, info = _pbtrf(lower, lower=1)
+    return info == 0

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandLU, BandPattern, factorise
+from ancf.band import BandLU, BandPattern, factorise, is_positive_definite
 from ancf.counters import Counters
 from ancf.supports import NodeSupport
 
@@ -80,15 +80,23 @@ class LinearSystem:
             vector[s.dofs] = s.projector @ vector[s.dofs]
         return vector
 
+    def _supported(self, flat: Floats) -> Floats:
+        flat = flat * self._scale
+        for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
+            flat[columns] = flat[columns] @ s.projector
+            flat[rows] = s.projector @ flat[rows]
+            flat[diagonal] += np.eye(len(s.dofs)) - s.projector
+        return flat
+
     def factorise(self, flat: Floats) -> BandLU:
         """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
         with self.counters.solving():
-            flat = flat * self._scale
-            for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
-                flat[columns] = flat[columns] @ s.projector
-                flat[rows] = s.projector @ flat[rows]
-                flat[diagonal] += np.eye(len(s.dofs)) - s.projector
-            return factorise(self.pattern, flat)
+            return factorise(self.pattern, self._supported(flat))
+
+    def is_positive_definite(self, flat: Floats) -> bool:
+        """Whether a symmetric tangent is positive definite on the motions that the supports allow."""
+        with self.counters.solving():
+            return is_positive_definite(self.pattern, self._supported(flat))
 
     def solve(self, lu: BandLU, right: Floats) -> Floats:
         """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""

@@ -155,6 +155,11 @@ class Model:
             total += load_factor * V
         return total
 
+    @cached_property
+    def conservative(self) -> bool:
+        """Whether every load has a potential, so that the tangent is symmetric and stability is a minimum."""
+        return all(effect.potential(_blocks(self.q0, effect.dofs)) is not None for effect in self.effects)
+
     def admissible(self, q: Floats) -> Floats:
         """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""
         return self.q0 + self.system.project(q - self.q0)

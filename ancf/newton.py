@@ -64,6 +64,7 @@ class NewtonResult:
     residual: float
     history: list[Iteration] = field(default_factory=list)
     lu: BandLU | None = None
+    flat: Floats | None = None  # the tangent behind `lu`
     worst_dof: int = 0
     floor: float = 0.0  # dimensionless residual that float64 leaves here
 
@@ -97,7 +98,7 @@ def newton(
         if not _measure(model, result, g) or not np.isfinite(flat).all():
             return _ended(result, Outcome.NOT_FINITE)
         try:
-            result.lu = model.system.factorise(flat)
+            result.lu, result.flat = model.system.factorise(flat), flat
         except SingularMatrixError:
             return _ended(result, Outcome.SINGULAR)
         dq = model.system.solve(result.lu, -g)

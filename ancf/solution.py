@@ -77,7 +77,7 @@ class Solution:
     reason: str
     message: Message | None
     load_factor: float
-    determinant_sign: int  # of the tangent; -1 says that an odd number of its eigenvalues is negative
+    stable: bool | None  # whether it is a minimum of the potential; None where loads have none
     steps: int
     cutbacks: int
     residual: float

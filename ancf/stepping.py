@@ -27,6 +27,7 @@ QUICK_ITERATIONS = 6  # a step that took no more may grow
 GROWTH = 2.0
 CUT = 0.25
 SMALLEST_STEP = 1e-6  # of the full load
+BRANCH_STEP = 0.01  # a step from a stable to an unstable equilibrium is taken only if it is shorter
 FIRST_TURN = 1.0  # rad or rod lengths by which the linear solution of the first load step may move sections
 
 
@@ -46,12 +47,7 @@ class Trace:
     tried: float = 0.0  # load factor of that iteration
     rates: list[float] = field(default_factory=list)  # |dq / d load factor| at the equilibria of the walk
     budget_used: bool = False  # max_steps
-    determinant_sign: int = 1  # of the tangent at the last equilibrium; -1 is an unstable one
-
-    @property
-    def iterations(self) -> int:
-        """Linear solves in all, failed steps included."""
-        return len(self.history)
+    stable: bool | None = None  # the last equilibrium; None where it was not decided
 
 
 def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
@@ -64,21 +60,32 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     options = model.scene.solver
     deadline = time.perf_counter() + options.max_seconds
     trace = Trace(Status.NOT_CONVERGED, model.q0)
-    direct = [] if start is None else [start]
+    if start is not None and _try_at_once(model, trace, start, deadline):
+        return trace
     if options.predictor == "auto":
         bent = moment_start(model, 1.0)
-        direct.append(model.q0 if bent is None else bent)
-    for q in direct:
-        result = newton(model, q, 1.0, DIRECT_ITERATIONS, deadline)
-        trace.history += result.history
-        if _accept(model, trace, result, 1.0):
-            trace.status = Status.CONVERGED
+        # One long step may land on an unstable branch beyond a buckling load: then the path decides.
+        if (
+            _try_at_once(model, trace, model.q0 if bent is None else bent, deadline)
+            and trace.stable is not False
+        ):
             return trace
-        trace.cutbacks += 1
-        if result.outcome is Outcome.OUT_OF_TIME:
-            trace.status = Status.OUT_OF_TIME
-            return trace
+    if trace.status is Status.OUT_OF_TIME:
+        return trace
     return _walk(model, trace, deadline)
+
+
+def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> bool:
+    """Newton at the full load; False when it fails, which is a cut-back."""
+    result = newton(model, start, 1.0, DIRECT_ITERATIONS, deadline)
+    trace.history += result.history
+    if _accept(model, trace, result, 1.0):
+        trace.status = Status.CONVERGED
+        return True
+    trace.cutbacks += 1
+    if result.outcome is Outcome.OUT_OF_TIME:
+        trace.status = Status.OUT_OF_TIME
+    return False
 
 
 def _accept(model: Model, trace: Trace, result: NewtonResult, load_factor: float) -> bool:
@@ -86,16 +93,32 @@ def _accept(model: Model, trace: Trace, result: NewtonResult, load_factor: float
     if result.converged and smallest_determinant(model, result.q)[2] > 0.0:
         trace.q, trace.load_factor = result.q, load_factor
         trace.residual, trace.floor = result.residual, result.floor
-        trace.determinant_sign = 1 if result.lu is None else result.lu.determinant_sign
+        trace.stable = _is_stable(model, result)
         trace.steps += 1
         return True
     trace.failure, trace.tried = result, load_factor
     return False
 
 
+def _is_stable(model: Model, result: NewtonResult) -> bool | None:
+    """Whether an equilibrium is a minimum of the potential.
+
+    Loads without a potential: False for an odd number of negative eigenvalues, by the sign of the
+    determinant, else None; an even number, and flutter, cannot be seen so.
+    """
+    if result.lu is None or result.flat is None:
+        return None
+    if model.conservative:
+        return model.system.is_positive_definite(result.flat)
+    return False if result.lu.determinant_sign < 0 else None
+
+
 def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
     """Load steps from zero with growth and cut-back."""
     options = model.scene.solver
+    if trace.load_factor == 1.0:  # an unstable equilibrium was found at once: forget it
+        trace.q, trace.load_factor, trace.stable, trace.status = model.q0, 0.0, None, Status.NOT_CONVERGED
+        trace.steps, trace.cutbacks = 0, trace.cutbacks + 1
     path = Path(model, model.q0)
     step = _first_step(model)
     while trace.load_factor < 1.0:
@@ -107,6 +130,12 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             return trace
         result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS, deadline)
         trace.history += result.history
+        jumped = result.converged and _is_stable(model, result) is False and trace.stable is not False
+        if jumped and target - trace.load_factor > BRANCH_STEP:
+            # Stable before, unstable after: a stable branch may turn off in between. Look closer.
+            trace.cutbacks += 1
+            step = (target - trace.load_factor) * CUT
+            continue
         if _accept(model, trace, result, target):
             path.add(target, result.q)
             trace.rates.append(_rate(model, result))

@@ -25,10 +25,10 @@ TORSION_SHARE = 1e-3
 def validity_warnings(solution: Solution) -> list[str]:
     """Warnings of a solution, one sentence each with the number that caused it."""
     found = []
-    if solution.determinant_sign < 0:
+    if solution.stable is False:
         found.append(
-            "this equilibrium is unstable: its tangent has an odd number of negative eigenvalues, as beyond "
-            "a buckling load (an even number would go unnoticed)"
+            "this equilibrium is unstable: its tangent has a negative eigenvalue, as beyond a buckling load; "
+            "a small lateral load leads to the stable branch"
         )
     for rod in solution.model.rods:
         found += [f"rod {rod.rod.name!r}: {text}" for text in _of_rod(solution, rod)]

@@ -130,6 +130,20 @@ def test_unstable_equilibrium_is_warned_about():
         assert any("unstable" in text for text in solution.warnings) == warned
 
 
+@pytest.mark.parametrize("imperfection", [1e-2, 1e-3])
+def test_a_strut_with_an_imperfection_takes_the_buckled_branch(imperfection):
+    """P L^2/EI = 5 is 2.03 times Euler's load.
+
+    Elastica (Timoshenko, Gere 1961, table 2-4): w/L = .792 at 1.884 and .803 at 2.541 times that load, never
+    above .806; shear, axial strain and the imperfection are below .007.
+    """
+    EI = 1e6 * np.pi * 0.01**4 / 4
+    P = 5.0 * EI / 0.16
+    solution = ancf.solve(pushed(arm(), (-P, imperfection * P, 0.0)))
+    assert solution.status == "converged" and solution.stable
+    assert 0.785 < solution.tip().position[1] / 0.4 < 0.806
+
+
 def test_calls_are_evaluations_not_loads():
     """Three forces on two rods are evaluated together: as many calls as of the elastic forces."""
     rods = (arm(), arm(name="other"))
