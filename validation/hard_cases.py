@@ -221,7 +221,15 @@ def hard_cases() -> list[HardCase]:
             (*done, *TYPED_FAILURES),
             None,
             math.inf,
-            "the straight shape is an unstable equilibrium; stability is not in this version",
+            "perfect: the straight shape is an equilibrium, and the result warns that it is unstable",
+        ),
+        HardCase(
+            "column with 0.1 % lateral load at 3 Euler loads",
+            _scene(force=[{"value": [-3 * push, 3e-3 * push, 0]}]),
+            done,
+            None,
+            math.inf,
+            "one long step would land on the unstable, nearly straight shape; the path takes the buckled one",
         ),
         HardCase(
             "pinned at one end only",

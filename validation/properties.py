@@ -312,7 +312,7 @@ PROPERTIES: tuple[Property, ...] = (
         "Slender rod, oblique tip moment up to 2.5 E I/L: the closed-form helix",
         1e-3,
         "L",
-        "theory.md 3 table: 1e-3 at L/R = 100 with 12 elements",
+        "theory.md 3, table: 12 elements; L/R = 200 to 400, so that finite strain is below half of it",
         example.helix(solution.helix_error),
         True,
         ("3333",),
