@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ancf.errors import Message
 from ancf.mesh import reference_axis
@@ -131,12 +131,12 @@ class Solution:
         rod = self._rod(name)
         return rod.nodal(self.q)[:, 0] + rod.rod.base.position
 
-    def displaced(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
+    def displaced(self, name: str | None, at: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
         """Absolute positions (..., 3) [m] of material points (at, y, z), broadcast against each other."""
         rod = self._rod(name)
         return _material_points(rod, rod.nodal(self.q), at, y, z)
 
-    def reference(self, name: str | None, at: Floats, y: Floats, z: Floats) -> Floats:
+    def reference(self, name: str | None, at: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
         """Reference positions (..., 3) [m] of the same material points."""
         rod = self._rod(name)
         return _material_points(rod, rod.q0, at, y, z)
@@ -234,7 +234,7 @@ class Solution:
         }
 
 
-def _material_points(rod: RodModel, nodal: Floats, at: Floats, y: Floats, z: Floats) -> Floats:
+def _material_points(rod: RodModel, nodal: Floats, at: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     at, y, z = np.broadcast_arrays(np.asarray(at, float), np.asarray(y, float), np.asarray(z, float))
     points = np.empty((*at.shape, 3))
     for fraction in np.unique(at):

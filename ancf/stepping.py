@@ -79,7 +79,7 @@ def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> 
     """Newton at the full load; False when it fails, which is a cut-back."""
     result = newton(model, start, 1.0, DIRECT_ITERATIONS, deadline)
     trace.history += result.history
-    if _accept(model, trace, result, 1.0):
+    if _accept(model, trace, result, 1.0, _is_stable(model, result)):
         trace.status = Status.CONVERGED
         return True
     trace.cutbacks += 1
@@ -88,12 +88,14 @@ def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> 
     return False
 
 
-def _accept(model: Model, trace: Trace, result: NewtonResult, load_factor: float) -> bool:
+def _accept(
+    model: Model, trace: Trace, result: NewtonResult, load_factor: float, stable: bool | None
+) -> bool:
     """Take over a converged step whose configuration is not turned inside out."""
     if result.converged and smallest_determinant(model, result.q)[2] > 0.0:
         trace.q, trace.load_factor = result.q, load_factor
         trace.residual, trace.floor = result.residual, result.floor
-        trace.stable = _is_stable(model, result)
+        trace.stable = stable
         trace.steps += 1
         return True
     trace.failure, trace.tried = result, load_factor
@@ -106,7 +108,7 @@ def _is_stable(model: Model, result: NewtonResult) -> bool | None:
     Loads without a potential: False for an odd number of negative eigenvalues, by the sign of the
     determinant, else None; an even number, and flutter, cannot be seen so.
     """
-    if result.lu is None or result.flat is None:
+    if not result.converged or result.lu is None or result.flat is None:
         return None
     if model.conservative:
         return model.system.is_positive_definite(result.flat)
@@ -130,13 +132,14 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             return trace
         result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS, deadline)
         trace.history += result.history
-        jumped = result.converged and _is_stable(model, result) is False and trace.stable is not False
+        stable = _is_stable(model, result)
+        jumped = stable is False and trace.stable is not False
         if jumped and target - trace.load_factor > BRANCH_STEP:
             # Stable before, unstable after: a stable branch may turn off in between. Look closer.
             trace.cutbacks += 1
             step = (target - trace.load_factor) * CUT
             continue
-        if _accept(model, trace, result, target):
+        if _accept(model, trace, result, target, stable):
             path.add(target, result.q)
             trace.rates.append(_rate(model, result))
             if len(result.history) <= QUICK_ITERATIONS:

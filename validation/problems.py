@@ -45,13 +45,12 @@ class CaseResult:
 
 
 def run_case(case: Case) -> CaseResult:
-    """Run one case and judge it; whatever goes wrong is a FAIL with its reason, so that the "
-    "others still run."""
+    """Run one case and judge it; whatever goes wrong is a FAIL with its reason, so that the others run."""
     started = time.perf_counter()
     try:
         outcome = PROBLEMS[case.problem](case)
         warnings = [] if outcome.solution is None else list(outcome.solution.warnings)
-    except Exception as error:
+    except Exception as error:  # a crash is a finding about this case, not the end of the report
         reason = f"{type(error).__name__}: {error}"
         return CaseResult(case, Verdict.FAIL, [], None, time.perf_counter() - started, reason)
     findings = hold(case, outcome)

@@ -151,10 +151,10 @@ def _tube(axes: Axes, solution: Solution, fill: str, edge: str, reference: bool 
     at = np.linspace(0.0, 1.0, 41)
     angle = 2 * np.pi * np.arange(20) / 20
     y, z = radius * np.cos(angle), radius * np.sin(angle)
-    rings = place(None, at[:, None], y[None], z[None]) @ VIEW.T  # type: ignore[arg-type]
+    rings = place(None, at[:, None], y[None], z[None]) @ VIEW.T
     pieces = [_hull(np.concatenate(pair)) for pair in pairwise(rings)]
     axes.add_collection(PolyCollection(pieces, facecolors=fill, edgecolors=fill, linewidths=0.6))
-    axis = place(None, at, 0.0, 0.0) @ VIEW.T  # type: ignore[arg-type]
+    axis = place(None, at, 0.0, 0.0) @ VIEW.T
     axes.plot(axis[:, 0], axis[:, 1], color=edge, lw=1.3, ls=(0, (5, 3)) if reference else "-")
     for ring in (rings[0], rings[-1]):
         closed = np.vstack([ring, ring[:1]])

@@ -37,8 +37,8 @@ def sketch(solution: Solution, label: str) -> Markup:
     """The first rod of a solution as SVG."""
     at = np.linspace(0.0, 1.0, STATIONS)
     base = solution.scene.rods[0].base.position
-    now = solution.displaced(None, at, 0.0, 0.0) - base  # type: ignore[arg-type]
-    before = solution.reference(None, at, 0.0, 0.0) - base  # type: ignore[arg-type]
+    now = solution.displaced(None, at, 0.0, 0.0) - base
+    before = solution.reference(None, at, 0.0, 0.0) - base
     view = projection(np.concatenate([now, before]))
     a, b = before @ view.T, now @ view.T
     low = np.minimum(a.min(axis=0), b.min(axis=0))
