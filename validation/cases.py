@@ -1,16 +1,19 @@
 """Validation cases: records, and the loader that reads `cases/*.toml` and refuses what is not complete.
 
 One file is one family: a problem, a scene, a reference, limits with reasons; each `[[case]]` changes the
-first rod, the load or the parameters. A case without a reason for a limit, or with an unknown key, is an
-error.
+first rod, the load or the parameters. A matrix of cases is written once: `[[vary.AXIS]]` lists what an axis
+may be, and every combination is a case named ROW-NAME-NAME. A case without a reason for a limit, or with an
+unknown key, is an error.
 """
 
 from __future__ import annotations
 
 import copy
+import fnmatch
+import itertools
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,6 +40,7 @@ FAMILY_KEYS = (
     "limit",
     "case",
     "parameters",
+    "vary",
 )
 CASE_KEYS = (
     "id",
@@ -52,7 +56,8 @@ CASE_KEYS = (
     "warning",
     "reference",
 )
-LIMIT_KEYS = ("quantity", "value", "unit", "reason", "kind", "documented", "spread")
+VARIANT_KEYS = ("name", "set", "required", "rod", "load", "parameters", "warning", "reference")
+LIMIT_KEYS = ("cases", "quantity", "value", "unit", "reason", "kind", "documented", "spread")
 REFERENCE_KEYS = ("name", "independence", "source", "estimated_error", "values", "note")
 SETS = ("quick", "full")
 KINDS = ("reference", "non-regression")
@@ -92,6 +97,7 @@ class Case:
     reference: Reference
     limits: tuple[Limit, ...]
     warning: str = ""  # words that the solver's own warnings must contain
+    place: Mapping[str, str] = field(default_factory=dict)  # in a matrix of cases: name on each axis
 
     @property
     def reproduce(self) -> str:
@@ -135,11 +141,45 @@ def _read_family(file: Path) -> list[Case]:
         raise CaseError(
             Message("The case file cannot be read.", where, str(error), "not valid TOML", "correct that line")
         ) from error
-    _expect(family, FAMILY_KEYS, where, needed=("row", "title", "problem", "case"))
-    return [_read_case(family, entry, f"{where}, case {i + 1}") for i, entry in enumerate(family["case"])]
+    _expect(family, FAMILY_KEYS, where, needed=("row", "title", "problem"))
+    listed = [
+        _read_case(family, entry, f"{where}, case {i + 1}") for i, entry in enumerate(family.get("case", []))
+    ]
+    matrix = [_read_case(family, entry, where, place) for entry, place in _combinations(family, where)]
+    if not listed + matrix:
+        _refuse(
+            "The family has no case.", where, "no [[case]], no [[vary.*]]", "an empty family shows nothing"
+        )
+    for limit in family.get("limit", []):
+        pattern = limit.get("cases", "*")
+        if not any(fnmatch.fnmatchcase(case.id, pattern) for case in listed + matrix):
+            _refuse("A limit is for no case.", where, f"cases = {pattern!r}", "a misspelt name")
+    return listed + matrix
 
 
-def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Case:
+def _combinations(family: dict[str, Any], where: str) -> Iterator[tuple[dict[str, Any], dict[str, str]]]:
+    """Entry and place of every combination of the axes in `vary`; later axes change what earlier ones set."""
+    axes = family.get("vary", {})
+    for axis, variants in axes.items():
+        for variant in variants:
+            _expect(variant, VARIANT_KEYS, f"{where}, vary.{axis}", needed=("name",))
+    for chosen in itertools.product(*axes.values()) if axes else ():
+        place = {axis: variant["name"] for axis, variant in zip(axes, chosen, strict=True)}
+        entry: dict[str, Any] = {"id": "-".join([family["row"], *place.values()])}
+        for variant in chosen:
+            for key, value in variant.items():
+                if key in ("rod", "load", "parameters", "reference"):
+                    entry[key] = {**entry.get(key, {}), **value}
+                elif key == "set":
+                    entry[key] = max(value, entry.get(key, value), key=SETS.index)  # full wins
+                elif key != "name":
+                    entry[key] = value
+        yield entry, place
+
+
+def _read_case(
+    family: dict[str, Any], entry: dict[str, Any], where: str, place: Mapping[str, str] | None = None
+) -> Case:
     _expect(entry, CASE_KEYS, where, needed=("id",))
     where = f"{where} ({entry['id']})"
     merged = {key: entry.get(key, family.get(key, "")) for key in ("title", "loads", "shows")}
@@ -151,7 +191,11 @@ def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Cas
                 "it is empty or missing",
                 "every card in the report states it",
             )
-    limits = entry.get("limit", family.get("limit", []))
+    limits = [
+        {key: value for key, value in limit.items() if key != "cases"}
+        for limit in entry.get("limit", family.get("limit", []))
+        if fnmatch.fnmatchcase(entry["id"], limit.get("cases", "*"))
+    ]
     if not limits:
         _refuse("The case has no limit.", where, "no [[limit]]", "a case that cannot fail shows nothing")
     if entry.get("set", "quick") not in SETS:
@@ -168,6 +212,7 @@ def _read_case(family: dict[str, Any], entry: dict[str, Any], where: str) -> Cas
         reference=_read_reference({**family.get("reference", {}), **entry.get("reference", {})}, where),
         limits=tuple(_read_limit(limit, where) for limit in limits),
         warning=entry.get("warning", ""),
+        place=place or {},
         **merged,
     )
 

@@ -151,3 +151,54 @@ def test_a_scene_as_text_is_the_same_scene(folder):
     scene["moment"] = [{"value": [0.0, 1e-7, -2.5], "frame": "body"}]
     scene["gravity"] = {"acceleration": [0, 0, -9.81]}
     assert tomllib.loads(as_toml(scene)) == scene
+
+
+MATRIX = """
+[[vary.element]]
+name = "3333"
+[[vary.element]]
+name = "3243"
+rod = { element = "3243", elements = 4 }
+set = "full"
+[[vary.law]]
+name = "hard"
+rod = { elements = 2 }
+parameters = { angle = 1.0 }
+[[vary.law]]
+name = "soft"
+set = "quick"
+"""
+
+
+def test_a_matrix_is_every_combination_of_its_axes(folder):
+    file = next(folder.glob("*.toml"))
+    file.write_text(file.read_text(encoding="utf-8") + MATRIX, encoding="utf-8")
+    cases = {case.id: case for case in load_cases(folder) if case.place}
+    row = load_cases(folder)[0].row
+    assert list(cases) == [f"{row}-{e}-{law}" for e in ("3333", "3243") for law in ("hard", "soft")]
+    both = cases[f"{row}-3243-hard"]
+    assert both.place == {"element": "3243", "law": "hard"}
+    assert both.rod["element"] == "3243"
+    assert both.rod["elements"] == 2  # the later axis decides
+    assert both.parameters["angle"] == 1.0
+    assert both.set == cases[f"{row}-3243-soft"].set == "full"
+    assert cases[f"{row}-3333-soft"].set == "quick"
+
+
+def test_a_limit_may_be_for_some_cases_only(folder):
+    limit = '[[limit]]\ncases = "*B"\nquantity = "warping"\nvalue = 1.0\nunit = "-"\nreason = "x"\n'
+    change(folder, '[[case]]\nid = "A"', limit + '[[case]]\nid = "A"')
+    first, second = load_cases(folder)
+    assert [limit.quantity for limit in first.limits] == ["torsion constant"]
+    assert [limit.quantity for limit in second.limits] == ["torsion constant", "warping"]
+    change(folder, '[[case]]\nid = "A"', limit.replace("*B", "*Z") + '[[case]]\nid = "A"')
+    assert "A limit is for no case" in refusal(folder)
+
+
+def test_a_family_without_a_case_and_a_variant_without_a_name_are_refused(folder):
+    file = next(folder.glob("*.toml"))
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text[: text.index("[[case]]")], encoding="utf-8")
+    assert "has no case" in refusal(folder)
+    file.write_text(text + '[[vary.law]]\nset = "quick"\n', encoding="utf-8")
+    assert "'name' is missing" in refusal(folder)
