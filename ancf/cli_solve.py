@@ -85,17 +85,20 @@ def check(
     """Check a scene: its rods, the effects that will be simulated, the unknowns and the reductions chosen."""
     from ancf.io import result_text
     from ancf.scene_file import load_scene
+    from ancf.scene_materials import law_name
     from ancf.solver import prepare
+    from ancf.validity import scene_warnings
 
     loaded = load_scene(scene)
+    model = prepare(loaded)
     found = {
         "schema": 1,
         "title": loaded.title,
         "rods": {rod.name: _describe(rod) for rod in loaded.rods},
         "effects": ["elastic", *_listed(loaded)],
-        "unknowns": prepare(loaded).unknowns,
+        "unknowns": model.unknowns,
         "reductions": [],
-        "warnings": [],
+        "warnings": scene_warnings(model),
     }
     if json:
         print(result_text(found))
@@ -108,13 +111,15 @@ def check(
             f"  rod {rod.name}: {rod.length:g} m, {rod.elements} x {rod.element} {rod.formulation}, {held}"
         )
         console.print(f"    {rod.section}")
-        console.print(f"    {rod.material}")
+        console.print(f"    {law_name(rod.material)}: {_fields_text(rod.material)}")
     for name, records in _listed(loaded).items():
         for record in records:
             console.print(f"  {name}: {_fields_text(record)}")
     console.print(f"  effects:    {', '.join(found['effects'])}")
     console.print(f"  unknowns:   {found['unknowns']}")
     console.print(f"  reductions: {', '.join(found['reductions']) or 'none'}")
+    for warning in found["warnings"]:
+        console.print(f"  warning:    {warning}")
 
 
 def _refuse_view(view: Path) -> None:
@@ -218,6 +223,8 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
 
 def _describe(rod: Rod) -> dict[str, Any]:
     """Return what a rod is, in plain Python and SI units."""
+    from ancf.scene_materials import law_name
+
     return {
         "length": rod.length,
         "elements": rod.elements,
@@ -225,7 +232,7 @@ def _describe(rod: Rod) -> dict[str, Any]:
         "formulation": rod.formulation,
         "axial_rule": rod.axial_rule,
         "section": {"shape": type(rod.section).__name__.lower(), **_fields(rod.section)},
-        "material": {"law": "saint-venant-kirchhoff", **_fields(rod.material)},
+        "material": {"law": law_name(rod.material), **_fields(rod.material)},
         "supports": [{"at": support.at, "kind": support.kind} for support in rod.supports],
     }
 

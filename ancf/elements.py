@@ -30,6 +30,9 @@ R: Order = (0, 0, 0)
 R_X: Order = (1, 0, 0)
 R_Y: Order = (0, 1, 0)
 R_Z: Order = (0, 0, 1)
+R_YY: Order = (0, 2, 0)
+R_YZ: Order = (0, 1, 1)
+R_ZZ: Order = (0, 0, 2)
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,9 @@ class Element:
     node_xi : positions of the nodes on the axis, -1 to 1
     vectors : derivative orders (x, y, z) of the vectors that each node carries
     axial_points : Gauss points along the axis for the strain energy by default; fewer leave zero-energy modes
-    locks_from : with this many axial points or more, slender rods lock in bending (curvature-thickness)
     full_points : Gauss points that integrate the Saint Venant-Kirchhoff energy of a straight element exactly
+    locks_from : with this many axial points or more, slender rods lock in bending (curvature-thickness)
+    formulations : the formulations that the element knows, its default first (section_energy.py)
     """
 
     name: str
@@ -51,6 +55,7 @@ class Element:
     axial_points: int
     full_points: int
     locks_from: int
+    formulations: tuple[str, ...] = ("enhanced", "continuum")
 
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
@@ -74,6 +79,11 @@ class Element:
         Directors of degree p make strains of degree 2 p and their squares of degree 4 p.
         """
         return 4 * max(j + k for j, k in self.directors)
+
+    @property
+    def quadratic_section(self) -> bool:
+        """Whether sections can show the in-plane field of bending (all directors of second degree)."""
+        return {(2, 0), (1, 1), (0, 2)} <= set(self.directors)
 
     @property
     def vectors_per_element(self) -> int:
@@ -149,7 +159,17 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # 3243: cubic Hermite axis, linear section vectors. Two axial points leave spurious zero modes, three lock
 # mildly.
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
+# 3363: 3333 with quadratic sections, which show the in-plane field of bending: the continuum without locking.
 ELEMENTS: dict[str, Element] = {
     "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5, locks_from=3),
     "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
+    "3363": Element(
+        "3363",
+        (-1.0, 0.0, 1.0),
+        (R, R_Y, R_Z, R_YY, R_YZ, R_ZZ),
+        axial_points=2,
+        full_points=5,
+        locks_from=3,
+        formulations=("continuum",),
+    ),
 }

@@ -2,15 +2,15 @@ r"""Elastic energy, force and tangent of one rod in the Gram form.
 
 At each axial point v = N e (section_energy.generalised_shape) and gamma_ij = v_i . v_j - v0_i . v0_j:
 
-    U = sum_p 1/2 gamma^T H gamma,      T = H gamma,
+    T = dU/dgamma,  H = dT/dgamma       (section_law.py; T = H gamma for Saint Venant-Kirchhoff)
     Q = N^T (S v),                      S_ij = T_ij (i != j), 2 T_ii,
     K = N^T (B_v^T H B_v + S (x) I) N,  B_v = d gamma / d v.
 
-`H` carries the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
+T and H carry the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
 tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent
-only, by the stress that the last linear step predicted: gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0
-with the iterate v_o before that step. It lets Newton take long steps where axis and sections are much
-stiffer than bending, and vanishes at convergence.
+only, by the stress that the last linear step predicted: T(gamma_o) + H(gamma_o) (gamma - gamma_o) at
+gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0 with the iterate v_o before that step. It lets Newton take
+long steps where axis and sections are much stiffer than bending, and vanishes at convergence.
 
 Positions enter relative to the first node of the element: what is common to all nodes cannot cancel later.
 """
@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.section_energy import pairs
+from ancf.section_law import SectionLaw
 
 Floats = NDArray[np.float64]
 
@@ -35,13 +36,13 @@ class ElasticRod:
     Parameters
     ----------
     N : (n_el or 1, points, generalised vectors, nodal vectors of the element) [m^(...)]
-    H : (n_el or 1, points, pairs, pairs), axial weight included
+    section : energy of the strain products, axial weight included
     e0 : (n_el, nodal vectors of the element, 3) reference nodal vectors
     position_columns : which nodal vectors of an element are positions
     """
 
     N: Floats
-    H: Floats
+    section: SectionLaw
     e0: Floats
     position_columns: NDArray[np.intp]
 
@@ -80,11 +81,7 @@ class ElasticRod:
 
     def energy(self, e: Floats) -> float:
         """Strain energy [J]."""
-        gamma = self.gamma(self.generalised(e))
-        return 0.5 * float(np.sum(gamma * self._stress(gamma)))
-
-    def _stress(self, gamma: Floats) -> Floats:
-        return (self.H @ gamma[..., None])[..., 0]
+        return self.section.energy(self.gamma(self.generalised(e)))
 
     def _symmetric(self, T: Floats) -> Floats:
         """S (..., vectors, vectors) with Q_v = S v from the packed resultants T."""
@@ -96,7 +93,7 @@ class ElasticRod:
 
     def vector_force(self, v: Floats) -> Floats:
         """Forces conjugate to v (n_el, points, generalised vectors, 3), axial weight included."""
-        return self._symmetric(self._stress(self.gamma(v))) @ v
+        return self._symmetric(self.section.resultants(self.gamma(v))) @ v
 
     def force(self, e: Floats) -> Floats:
         """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""
@@ -108,22 +105,24 @@ class ElasticRod:
         With `e_previous` the geometric part uses the mixed-integration-point stress.
         """
         v = self.generalised(e)
-        S = self._symmetric(self._stress(self.gamma(v)))
+        T, H = self.section.response(self.gamma(v))
+        S = self._symmetric(T)
         Q = self._force_to_nodes(S @ v)
         if e_previous is not None:
             v_previous = self.generalised(e_previous)
-            S = self._symmetric(self._stress(self.predicted_gamma(v, v_previous)))
-        return Q, self._tangent_to_nodes(self._material(v) + _times_identity(S))
+            predicted = self.predicted_gamma(v, v_previous)
+            S = self._symmetric(self.section.predicted(self.gamma(v_previous), predicted))
+        return Q, self._tangent_to_nodes(self._material(v, H) + _times_identity(S))
 
     def material_tangent(self, v: Floats) -> Floats:
         """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at generalised vectors v."""
-        return self._tangent_to_nodes(self._material(v))
+        return self._tangent_to_nodes(self._material(v, self.section.response(self.gamma(v))[1]))
 
     def geometric_tangent(self, S: Floats) -> Floats:
         """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""
         return self._tangent_to_nodes(_times_identity(S))
 
-    def _material(self, v: Floats) -> Floats:
+    def _material(self, v: Floats, H: Floats) -> Floats:
         """B_v^T H B_v (n_el, points, 3 vectors, 3 vectors) on the generalised vectors."""
         n_el, points, count, _ = v.shape
         i, j = self._pairs
@@ -132,7 +131,7 @@ class ElasticRod:
         B_v[:, :, index, i] = v[:, :, j]
         B_v[:, :, index, j] += v[:, :, i]
         B_v = B_v.reshape(n_el, points, len(i), 3 * count)
-        return np.swapaxes(B_v, -1, -2) @ (self.H @ B_v)
+        return np.swapaxes(B_v, -1, -2) @ (H @ B_v)
 
     @cached_property
     def _N_stacked(self) -> Floats:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.errors import Message
-from ancf.newton import NewtonResult, Outcome
+from ancf.materials import SaintVenantKirchhoff
+from ancf.newton import SMALLEST_SHARE, NewtonResult, Outcome
 from ancf.rod_model import RodModel
 from ancf.rod_shape import node_rotations
 from ancf.rotation import log
@@ -48,6 +49,10 @@ _CAUSES = {
         "a limit or bifurcation point, or supports that leave a rigid motion",
         "check `supports`; perturb the load slightly if the rod is on the verge of buckling",
     ),
+    Outcome.INVERTED: (
+        "the section is compressed or sheared beyond what this element can follow",
+        "reduce the load or use more elements",
+    ),
     Outcome.STAGNATED: (
         "round-off: the residual cannot fall below what float64 leaves at this stiffness ratio",
         "loosen `tolerance`, or use fewer elements or a less slender rod",
@@ -61,7 +66,8 @@ def status_of_failure(model: Model, trace: Trace, result: NewtonResult) -> Statu
         return Status.OUT_OF_TIME
     if result.outcome is Outcome.NOT_FINITE:
         return Status.NOT_FINITE
-    if result.converged:  # the only reason to refuse a converged step
+    # A converged step is refused for this reason only.
+    if result.converged or result.outcome is Outcome.INVERTED:
         return Status.INVERTED_ELEMENT
     if smallest_stretch(model, trace.q) < UNSTABLE_STRETCH:
         return Status.MATERIAL_UNSTABLE
@@ -106,8 +112,11 @@ def explain(model: Model, trace: Trace) -> Message:
     elif trace.status is Status.INVERTED_ELEMENT:
         rod, element, determinant = smallest_determinant(model, failed.q)
         where = f"load step {trace.steps + 1}, rod {rod!r}, element {element}"
-        value = f"det [r_x r_y r_z] = {determinant:.3g}, must be positive"
+        value = f"det F = {determinant:.3g}, must be positive"
         cause, advice = "the element is turned inside out", "reduce the load or use more elements"
+        if determinant > 0.0:
+            value += f", and is not after {SMALLEST_SHARE:g} of the next step"
+            cause, advice = _CAUSES[Outcome.INVERTED]
     elif load > EXTREME_LOAD:
         cause = f"the load is {load:.1e} times E I / L^2 (moments: E I / L), far beyond the rod's stiffness"
         advice = "check the units of load, modulus and section"
@@ -118,20 +127,30 @@ def explain(model: Model, trace: Trace) -> Message:
 
 
 def smallest_determinant(model: Model, q: Floats) -> tuple[str, int, float]:
-    """Rod, element and value of the smallest det [r_x r_y r_z] at the axial points; negative: inside out."""
+    """Rod, element and value of the smallest det F at the axial points; negative: inside out.
+
+    Over the whole section where the law needs it (rubber), else det [r_x r_y r_z] on the axis.
+    """
     found = []
     for rod in model.rods:
         v, count = rod.generalised(q), len(rod.element.directors)
-        r_y, r_z = v[:, :, count + rod.element.y_director - 1], v[:, :, count + rod.element.z_director - 1]
-        determinant = np.linalg.det(np.stack([v[:, :, 0], r_y, r_z], axis=-1))
+        determinant = rod.elastic.section.smallest_volume(v)
+        if determinant is None:
+            linear = [count + k - 1 for k in (rod.element.y_director, rod.element.z_director)]
+            determinant = np.linalg.det(v[:, :, [0, *linear]])
         worst = np.unravel_index(np.argmin(determinant), determinant.shape)
         found.append((rod.rod.name, int(worst[0]), float(determinant[worst])))
     return min(found, key=lambda entry: entry[2])
 
 
 def smallest_stretch(model: Model, q: Floats) -> float:
-    """Smallest axial stretch |r_x| at the axial points."""
-    return float(min(np.linalg.norm(rod.generalised(q)[:, :, 0], axis=-1).min() for rod in model.rods))
+    """Smallest axial stretch |r_x| at the axial points of the Saint Venant-Kirchhoff rods."""
+    stretches = [
+        float(np.linalg.norm(rod.generalised(q)[:, :, 0], axis=-1).min())
+        for rod in model.rods
+        if isinstance(rod.rod.material, SaintVenantKirchhoff)
+    ]
+    return min(stretches, default=np.inf)
 
 
 def largest_turn(model: Model, q: Floats) -> float:

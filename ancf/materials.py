@@ -39,10 +39,15 @@ class SaintVenantKirchhoff:
 
     def hooke(self) -> NDArray[np.float64]:
         """Full isotropic matrix D (6, 6) [Pa], the paper's E of eq. 16."""
-        mu = self.lame_mu
-        matrix = np.diag([2.0 * mu, 2.0 * mu, 2.0 * mu, mu, mu, mu])
-        matrix[:3, :3] += self.lame_lambda
-        return matrix
+        shape, volume = self.shape_and_volume()
+        return shape + volume
+
+    def shape_and_volume(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Parts (6, 6) [Pa] of D with the shear modulus and with lambda: mu E : E and lambda/2 (tr E)^2."""
+        shape = self.lame_mu * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+        volume = np.zeros((6, 6))
+        volume[:3, :3] = self.lame_lambda
+        return shape, volume
 
     def enhanced(
         self, shear_factors: tuple[float, float] = (1.0, 1.0)

@@ -164,6 +164,14 @@ class Model:
         """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""
         return self.q0 + self.system.project(q - self.q0)
 
+    def inside_out(self, q: Floats) -> bool:
+        """Whether q (n,) has a section point with det F <= 0 where its law is not defined there (rubber)."""
+        for rod in self.rods:
+            smallest = rod.elastic.section.smallest_volume(rod.generalised(q))
+            if smallest is not None and not np.min(smallest) > 0.0:
+                return True
+        return False
+
     @cached_property
     def pattern(self) -> BandPattern:
         """Band of the tangent: the unknowns of one element couple, nothing else."""

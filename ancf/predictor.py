@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import R
+from ancf.elements import R_YY, R_YZ, R_ZZ, R
 from ancf.mesh import reference_axis
 from ancf.model import Model
 from ancf.rod_model import RodModel
@@ -105,7 +105,35 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
     relative = rotations @ np.swapaxes(A_o @ frame0, -1, -2)
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
     q[:, rod.element.vectors.index(R)] = r
+    if rod.element.quadratic_section:
+        _contract(rod, q, rotations, theta / ramp[:, None] - curvature)
     return q
+
+
+def _contract(rod: RodModel, q: Floats, rotations: Floats, bending: Floats) -> None:
+    """Give quadratic sections the lateral field of Saint-Venant bending.
+
+    With changes of curvature k_y, k_z (axial strain k_y z - k_z y) the section moves in its plane by
+
+        v = nu (k_z (y^2 - z^2)/2 - k_y y z),   w = nu (k_z y z + k_y (y^2 - z^2)/2),
+
+    so r_yy = nu (k_z e_y + k_y e_z) = -r_zz and r_yz = nu (k_z e_z - k_y e_y).
+
+    Parameters
+    ----------
+    q : nodal vectors (n_nodes, vectors, 3), changed in place
+    rotations : section frames (n_nodes, 3, 3)
+    bending : change of curvature (n_nodes - 1, 3) [1/m] between the nodes, in section axes
+    """
+    # Curvature jumps at point moments: a node takes the mean of its two intervals.
+    k = 0.5 * (np.concatenate([bending[:1], bending]) + np.concatenate([bending, bending[-1:]]))
+    k *= rod.rod.material.poisson_ratio
+    vectors = rod.element.vectors
+    e_y, e_z = rotations[:, :, 1], rotations[:, :, 2]
+    k_y, k_z = k[:, 1:2], k[:, 2:3]
+    q[:, vectors.index(R_YY)] = k_z * e_y + k_y * e_z
+    q[:, vectors.index(R_ZZ)] = -q[:, vectors.index(R_YY)]
+    q[:, vectors.index(R_YZ)] = k_z * e_z - k_y * e_y
 
 
 def _helices(rotations: Floats, x: Floats, carried: Floats, compliance: Floats) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
+from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import Mesh, make_mesh, reference_axis, reference_nodes, rod_breaks
 from ancf.quadrature import gauss
 from ancf.scene import Rod, Scene
@@ -23,8 +24,11 @@ from ancf.section_energy import (
     director_weights,
     generalised_shape,
     section_stiffness,
+    section_terms,
+    straight_reference,
     straight_section_stiffness,
 )
+from ancf.section_law import AlikeSections, QuadraticSection, QuadratureSection
 from ancf.supports import NodeSupport, support_rows
 
 Floats = NDArray[np.float64]
@@ -105,36 +109,44 @@ class RodModel:
 
     @cached_property
     def elastic(self) -> ElasticRod:
-        """Constant data of the elastic kernel; equal elements share one stiffness."""
-        xi, weight = gauss(self.axial_points)
+        """Constant data of the elastic kernel; equal elements share their data."""
         first, kind = self.element_kinds
-        N, H = [], []
-        for element_index in first:
-            h = float(self.mesh.h[element_index])
-            shape = generalised_shape(self.element, xi, h)
-            v0 = shape @ _relative(self.element, self.e0[element_index])
-            N.append(shape)
-            per_length = [self._stiffness(v) for v in v0]
-            H.append((0.5 * h * weight)[:, None, None] * per_length)
-        one_kind = len(first) == 1
-        N_all, H_all = np.array(N), np.array(H)
-        columns = np.array(
-            [
-                n * len(self.element.vectors) + self.element.vectors.index(R)
-                for n in range(len(self.element.node_xi))
-            ]
-        )
-        return ElasticRod(
-            N_all if one_kind else N_all[kind], H_all if one_kind else H_all[kind], self.e0, columns
-        )
+        xi, _ = gauss(self.axial_points)
+        N = np.array([generalised_shape(self.element, xi, float(self.mesh.h[index])) for index in first])
+        per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
+        columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
+        v0 = [shape @ _relative(self.element, self.e0[index]) for shape, index in zip(N, first, strict=True)]
+        if isinstance(self.rod.material, SaintVenantKirchhoff):
+            H = [[self._stiffness(v) for v in points] for points in v0]
+            weight = self.axial_weights[first][..., None, None]
+            section = QuadraticSection(_spread(weight * np.array(H), kind))
+        else:
+            section = QuadratureSection(self._groups(v0))
+        return ElasticRod(_spread(N, kind), section, self.e0, columns)
 
     def _stiffness(self, v0: Floats) -> Floats:
         rod = self.rod
         if np.any(rod.curvature):
             return section_stiffness(self.element, rod, v0)
+        assert isinstance(rod.material, SaintVenantKirchhoff)
         return straight_section_stiffness(
             self.element, rod.section, rod.material, rod.formulation, rod.shear_factors
         )
+
+    def _groups(self, v0: list[Floats]) -> tuple[AlikeSections, ...]:
+        """Alike sections: all of a straight rod, else one axial point of one kind of element."""
+        weight = self.axial_weights.ravel()
+        places = np.arange(len(weight)).reshape(self.axial_weights.shape)
+        if not np.any(self.rod.curvature):
+            terms = section_terms(self.element, self.rod, straight_reference(self.element))
+            return (AlikeSections(places.ravel(), weight, terms),)
+        _, kind = self.element_kinds
+        groups = []
+        for row, points in enumerate(v0):
+            for point, v in enumerate(points):
+                alike = places[kind == row, point]
+                groups.append(AlikeSections(alike, weight[alike], section_terms(self.element, self.rod, v)))
+        return tuple(groups)
 
     def section_point(self, at: float, before: bool = False) -> SectionPoint:
         """The section at the fraction `at` of the reference length.
@@ -183,6 +195,11 @@ class RodModel:
     def bending_stiffness(self) -> float:
         """Smaller principal E I [N m2], the scale of forces, moments and energy."""
         return self.rod.material.young_modulus * self.rod.section.weaker_second_moment
+
+
+def _spread(values: Floats, kind: Indices) -> Floats:
+    """Values (kinds, ...) for each element (n_el, ...); one kind serves all as (1, ...)."""
+    return values if len(values) == 1 else values[kind]
 
 
 def _relative(element: Element, e: Floats) -> Floats:

@@ -16,7 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.materials import SaintVenantKirchhoff
+from ancf.elements import ELEMENTS
+from ancf.hyperelastic import Law
 from ancf.sections import Section
 
 
@@ -44,9 +45,9 @@ class Rod:
     length: float  # m
     elements: int
     section: Section
-    material: SaintVenantKirchhoff
+    material: Law
     element: str = "3333"
-    formulation: str = "enhanced"
+    formulation: str = ""  # absent: the default of the element
     axial_rule: str | int = "default"
     base: Frame = field(default_factory=Frame)
     supports: tuple[Support, ...] = (Support(),)
@@ -54,6 +55,10 @@ class Rod:
         default_factory=lambda: np.zeros(3)
     )  # 1/m, twist, about y, about z
     shear_factors: tuple[float, float] = (1.0, 1.0)  # k_y, k_z
+
+    def __post_init__(self) -> None:
+        if not self.formulation:
+            object.__setattr__(self, "formulation", ELEMENTS[self.element].formulations[0])
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS
-from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import reference_axis
 from ancf.scene import Frame, Rod, Support
+from ancf.scene_materials import read_material
 from ancf.scene_sections import read_section
-from ancf.scene_table import FRACTION, MODULUS, SIGNED, SIZE, Limit, Table, show
-from ancf.units import CURVATURE, DENSITY, LENGTH, NUMBER, STRESS
+from ancf.scene_table import FRACTION, SIGNED, SIZE, Limit, Table, show
+from ancf.units import CURVATURE, LENGTH, NUMBER
 
 Floats = NDArray[np.float64]
 
@@ -34,15 +34,13 @@ ROD_KEYS = (
     "curvature",
     "shear_factors",
 )
-LATER_ELEMENTS = ("3343", "3363", "cable")
-LATER_LAWS = ("neo-hookean", "mooney-rivlin")
+LATER_ELEMENTS = ("3343", "cable")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
 SAME_PLACE = 1e-9  # of the length; two supports closer than this hold the same section
 LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
 LARGEST_FLOOR = 1e-2  # of E I / L^2: an equilibrium with an error of one percent is none
-POISSON = Limit(lambda v: -1.0 < v < 0.5, "inside (-1, 0.5), both ends excluded")
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
 
@@ -51,20 +49,21 @@ def read_rod(table: Table, index: int) -> Rod:
     table.expect_keys(ROD_KEYS, later=("segments",))
     length = table.number("length", LENGTH, limit=SIZE)
     section = read_section(table.table("section"))
-    formulation = table.word("formulation", ("enhanced", "continuum"), "enhanced")
+    element = table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS)
+    formulation = _formulation(table, element)
     rod = Rod(
         name=_name(table, "rod" if index == 0 else f"rod{index + 1}"),
         length=length,
         elements=table.whole("elements", 1, MOST_ELEMENTS),
         section=section,
-        material=_material(table.table("material")),
-        element=table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS),
+        material=read_material(table.table("material")),
+        element=element,
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
         supports=_supports(table),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
-        shear_factors=_shear_factors(table, formulation),
+        shear_factors=_shear_factors(table, element, formulation),
     )
     _check_slenderness(table, rod)
     _check_curvature(table, rod)
@@ -85,15 +84,19 @@ def _name(table: Table, default: str) -> str:
     return name
 
 
-def _material(table: Table) -> SaintVenantKirchhoff:
-    table.word("law", ("saint-venant-kirchhoff",), "saint-venant-kirchhoff", LATER_LAWS)
-    table.expect_keys(("law", "young_modulus", "poisson_ratio", "density"), ("c10", "c01", "bulk_modulus"))
-    density = table.number("density", DENSITY, limit=MODULUS) if "density" in table.data else None
-    return SaintVenantKirchhoff(
-        young_modulus=table.number("young_modulus", STRESS, limit=MODULUS),
-        poisson_ratio=table.number("poisson_ratio", NUMBER, limit=POISSON),
-        density=density,
-    )
+def _formulation(table: Table, element: str) -> str:
+    """Read the formulation; an element whose section is quadratic refuses ``enhanced``."""
+    known = ELEMENTS[element].formulations
+    formulation = table.word("formulation", ("enhanced", "continuum"), known[0])
+    if formulation not in known:
+        table.refuse(
+            "formulation",
+            f"Element {element} knows no {formulation} formulation.",
+            f'formulation = "{formulation}" with element = "{element}"; it knows {", ".join(known)}',
+            "enhanced mends a linear section, and this section is quadratic: nothing is to be mended",
+            f'remove the key, or write formulation = "{known[0]}"',
+        )
+    return formulation
 
 
 def _axial_rule(table: Table) -> str | int:
@@ -102,15 +105,16 @@ def _axial_rule(table: Table) -> str | int:
     return table.whole("axial_rule", 1, 10)
 
 
-def _shear_factors(table: Table, formulation: str) -> tuple[float, float]:
+def _shear_factors(table: Table, element: str, formulation: str) -> tuple[float, float]:
     k_y, k_z = table.vector("shear_factors", 2, NUMBER, (1.0, 1.0), SHEAR_FACTOR)
     if formulation != "enhanced" and (k_y, k_z) != (1.0, 1.0):
         table.refuse(
             "shear_factors",
             "shear_factors belong to the enhanced formulation.",
-            f'[{k_y:g}, {k_z:g}] with formulation = "{formulation}"',
-            "the continuum's shear stiffness follows from Young's modulus and Poisson ratio alone",
-            'set formulation = "enhanced", or remove shear_factors',
+            f'[{k_y:g}, {k_z:g}] with element = "{element}", formulation = "{formulation}"',
+            "the continuum's shear stiffness follows from its law alone",
+            "remove shear_factors"
+            + (', or set formulation = "enhanced"' if "enhanced" in ELEMENTS[element].formulations else ""),
         )
     return float(k_y), float(k_z)
 

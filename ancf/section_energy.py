@@ -1,4 +1,4 @@
-r"""Strain energy of a section as a quadratic form in products of a few vectors (the Gram form).
+r"""Strain energy of a section as a function of the products of a few vectors (the Gram form).
 
 At one axial point the columns of the position gradient are combinations of the *generalised vectors*
 
@@ -11,6 +11,15 @@ section therefore has the energy (per weight of the axial rule)
     U = 1/2 gamma^T H gamma,   H = int B^T D B det J_0 dA,   strain = B gamma,
 
 with H constant: exact over the section, objective by construction, zero without round-off when unstressed.
+Rubber has Psi(B gamma) at section points instead (section_law.py).
+
+What is integrated where, so that nothing locks:
+
+* quadratic sections (3363): everything but the volume part over the section, the volume part on the affine
+  part of tr E or J (`affine_functions`), which is all that quadratic sections can follow: pressure is affine;
+* linear sections, ``enhanced``: a law without lateral contraction over the section, on the axis the rest
+  (`SaintVenantKirchhoff.enhanced`, `enhanced_potentials`);
+* linear sections, ``continuum``: the law over the section (paper eq. 16-17); locks with Poisson's ratio.
 
 Symbols
 -------
@@ -28,20 +37,28 @@ from numpy.typing import NDArray
 
 from ancf.elements import Element
 from ancf.errors import Message, SceneError
+from ancf.hyperelastic import enhanced_potentials, full_potential
 from ancf.materials import VOIGT, SaintVenantKirchhoff
 from ancf.scene import Rod
+from ancf.section_law import ProjectedTerm, Term
 from ancf.sections import Section
 
 Floats = NDArray[np.float64]
+Rule = tuple[Floats, Floats, Floats]  # y, z, weight
 
 # Curved: J_0^-1 and det J_0 make the integrand a quotient 1/(1 - kappa y)^3; degree 16 leaves 1e-12 at
 # kappa R = 0.1.
 CURVED_DEGREE = 16
+RUBBER_DEGREE = 8
 
 
 def quadrature_degree(element: Element, rod: Rod) -> int:
     """Degree in (y, z) that the section quadrature of a rod has to integrate."""
-    return CURVED_DEGREE if np.any(rod.curvature) else element.section_degree
+    if np.any(rod.curvature):
+        return CURVED_DEGREE
+    if isinstance(rod.material, SaintVenantKirchhoff):
+        return element.section_degree
+    return RUBBER_DEGREE
 
 
 def pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -113,15 +130,13 @@ def strain_matrix(weights_local: Floats) -> Floats:
 
 
 def section_stiffness(element: Element, rod: Rod, v0: Floats) -> Floats:
-    """Matrix H (pairs, pairs) [N m^(...)] of one axial point of a rod, without the axial weight.
-
-    Formulation ``continuum`` integrates the full Hooke matrix over the section (paper eq. 16-17);
-    ``enhanced`` takes D0 over the section and the Poisson part Dv on the axis times the area (materials.py).
+    """Matrix H (pairs, pairs) [N m^(...)] of one axial point of a Saint Venant-Kirchhoff rod, per length.
 
     Parameters
     ----------
     v0 : reference generalised vectors (generalised vectors, 3) at the point
     """
+    assert isinstance(rod.material, SaintVenantKirchhoff)
     degree = quadrature_degree(element, rod)
     return _stiffness(element, rod.section, rod.material, rod.formulation, rod.shear_factors, v0, degree)
 
@@ -135,14 +150,20 @@ def straight_section_stiffness(
     shear_factors: tuple[float, float],
 ) -> Floats:
     """`section_stiffness` of a straight rod: the same at every point and in every scene with these data."""
+    v0 = straight_reference(element)
+    H = _stiffness(element, section, material, formulation, shear_factors, v0, element.section_degree)
+    H.setflags(write=False)
+    return H
+
+
+def straight_reference(element: Element) -> Floats:
+    """Reference generalised vectors (generalised vectors, 3) of a straight rod along x."""
     count = len(element.directors)
     v0 = np.zeros((2 * count - 1, 3))
     v0[0] = (1.0, 0.0, 0.0)
     v0[count + element.y_director - 1] = (0.0, 1.0, 0.0)
     v0[count + element.z_director - 1] = (0.0, 0.0, 1.0)
-    H = _stiffness(element, section, material, formulation, shear_factors, v0, element.section_degree)
-    H.setflags(write=False)
-    return H
+    return v0
 
 
 def _stiffness(
@@ -154,21 +175,70 @@ def _stiffness(
     v0: Floats,
     degree: int,
 ) -> Floats:
-    y, z, weight = section.quadrature(degree)
+    rule = section.quadrature(degree)
+    if element.quadratic_section:
+        shape, _ = material.shape_and_volume()
+        H = _integrate(element, v0, rule, shape) + _integrate_trace(element, v0, rule, material.lame_lambda)
+        return 0.5 * (H + H.T)
     if formulation == "continuum":
-        return _integrate(element, v0, y, z, weight, material.hooke())
-    volume, axis = material.enhanced(shear_factors)
-    centre = np.zeros(1)
-    return _integrate(element, v0, y, z, weight, volume) + _integrate(
-        element, v0, centre, centre, np.array([section.area]), axis
-    )
+        parts = [(material.hooke(), rule)]
+    else:
+        volume, axis = material.enhanced(shear_factors)
+        parts = [(volume, rule), (axis, _axis_rule(section))]
+    H = sum((_integrate(element, v0, points, D) for D, points in parts), np.zeros(()))
+    return 0.5 * (H + H.T)
 
 
-def _integrate(element: Element, v0: Floats, y: Floats, z: Floats, weight: Floats, D: Floats) -> Floats:
+def section_terms(element: Element, rod: Rod, v0: Floats) -> tuple[Term | ProjectedTerm, ...]:
+    """Potentials of a rubber rod on their section points, as in `section_stiffness` (`v0` likewise)."""
+    assert not isinstance(rod.material, SaintVenantKirchhoff)
+    rule = rod.section.quadrature(quadrature_degree(element, rod))
+    if element.quadratic_section:
+        y, z, weight = rule
+        J_l, weights_local = local_gradient(element, v0, y, z)
+        weight = weight * np.linalg.det(J_l)
+        B, affine = strain_matrix(weights_local), affine_functions(y, z, weight)
+        law = rod.material
+        return (ProjectedTerm(law.shape, law.volume, weights_local, B, weight, affine),)
+    if rod.formulation == "continuum":
+        parts = [(full_potential(rod.material), rule)]
+    else:
+        section, axis = enhanced_potentials(rod.material, rod.shear_factors)
+        parts = [(section, rule), (axis, _axis_rule(rod.section))]
+    terms = []
+    for potential, (y, z, weight) in parts:
+        J_l, weights_local = local_gradient(element, v0, y, z)
+        B = strain_matrix(weights_local)
+        terms.append(Term(potential, weights_local, B, weight * np.linalg.det(J_l)))
+    return tuple(terms)
+
+
+def affine_functions(y: Floats, z: Floats, weight: Floats) -> Floats:
+    """Combinations (n, 3) of 1, y, z that are orthonormal on the points with their weights."""
+    functions = np.column_stack([np.ones_like(y), y, z])
+    gram = functions.T @ (weight[:, None] * functions)
+    return functions @ np.linalg.inv(np.linalg.cholesky(gram)).T
+
+
+def _integrate_trace(element: Element, v0: Floats, rule: Rule, modulus: float) -> Floats:
+    """Matrix of modulus/2 int (Pi tr E)^2 dA with the projection Pi on affine functions."""
+    y, z, weight = rule
+    J_l, weights_local = local_gradient(element, v0, y, z)
+    weight = weight * np.linalg.det(J_l)
+    trace = strain_matrix(weights_local)[:, :3].sum(axis=1)
+    coefficients = (weight[:, None] * affine_functions(y, z, weight)).T @ trace
+    return modulus * coefficients.T @ coefficients
+
+
+def _axis_rule(section: Section) -> Rule:
+    return np.zeros(1), np.zeros(1), np.array([section.area])
+
+
+def _integrate(element: Element, v0: Floats, rule: Rule, D: Floats) -> Floats:
+    y, z, weight = rule
     J_l, weights_local = local_gradient(element, v0, y, z)
     B = strain_matrix(weights_local)
-    H = np.einsum("n,nap,ab,nbq->pq", weight * np.linalg.det(J_l), B, D, B, optimize=True)
-    return 0.5 * (H + H.T)
+    return np.einsum("n,nap,ab,nbq->pq", weight * np.linalg.det(J_l), B, D, B, optimize=True)
 
 
 def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
@@ -179,6 +249,23 @@ def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
     moments = _section_moments(element, section)
     E = d0[..., [element.y_director, element.z_director], :]
     return np.einsum("kb,...bi->...ki", moments, E)
+
+
+def force_weights(element: Element, section: Section, y: float, z: float) -> Floats:
+    """Weights (directors,) of a unit force at the point (y, z) on the directors of its section.
+
+    Linear sections: the monomials phi_k(y, z). Quadratic sections would bulge under a force on one point, as
+    a solid does without bound; there the force is spread as the affine traction t with the same resultant and
+    moment (Saint-Venant), int phi_k t dA, which equals phi_k(y, z) for the linear monomials.
+    """
+    if not element.quadratic_section:
+        return element.section_monomials(np.array([y]), np.array([z]))[0][0]
+    points_y, points_z, weight = section.quadrature(element.section_degree)
+    # The point is carried along with weight 0, so that the affine functions are known on it as well.
+    points_y, points_z, weight = np.append(points_y, y), np.append(points_z, z), np.append(weight, 0.0)
+    phi, _, _ = element.section_monomials(points_y, points_z)
+    affine = affine_functions(points_y, points_z, weight)
+    return affine[-1] @ (affine.T @ (weight[:, None] * phi))
 
 
 @lru_cache(maxsize=256)

@@ -181,6 +181,27 @@ class Solution:
         _, frame = reference_axis(rod.axial_abscissae.ravel(), rod.rod.curvature)
         return rotation.reshape(-1, 3, 3) @ rod.rod.base.rotation @ frame
 
+    def section_stress(self, name: str | None, at: float, y: ArrayLike, z: ArrayLike) -> Floats:
+        """Cauchy stress (n, 3, 3) [Pa] at points (y, z) of a section, in the axes of the turned section.
+
+        x is the normal of the section, y and z lie in it (`section_axes`): with the axes A (3, 3) as columns
+        the stress in SCS is A stress A^T. It is evaluated at the axial integration points and taken linearly
+        between and beyond them. What each law and formulation counts as stress: section_stress.py.
+
+        Parameters
+        ----------
+        name : rod; the first if None
+        at : fraction of the reference length, 0 to 1
+        y, z : coordinates (n,) [m] in the reference section
+        """
+        from ancf.section_stress import along_rod, cauchy_stress
+
+        rod = self._rod(name)
+        y, z = np.broadcast_arrays(np.atleast_1d(np.asarray(y, float)), np.asarray(z, float))
+        axes = self.section_axes(name)[:, None]
+        stress = np.swapaxes(axes, -1, -2) @ cauchy_stress(rod, self.q, y, z) @ axes
+        return along_rod(rod, stress, at)
+
     def tangent(self) -> sparse.csr_array:
         """Tangent dg/dq on the free unknowns [SI units], sparse."""
         return self.model.supported_tangent(self.q, self.load_factor)

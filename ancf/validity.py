@@ -2,100 +2,187 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ancf.failure import LARGEST_TURN, element_turns
-from ancf.section_energy import local_gradient, strain_matrix
-from ancf.sections import Annulus, Circle
+from ancf.hyperelastic import MooneyRivlin, NeoHookean
+from ancf.materials import SaintVenantKirchhoff
+from ancf.section_stress import section_strain, tensor
+from ancf.sections import Annulus, Circle, Ellipse
 
 if TYPE_CHECKING:
+    from ancf.model import Model
     from ancf.rod_model import RodModel
     from ancf.solution import Solution
 
-# Saint Venant-Kirchhoff in bending departs from every rubber by about 1.4 (kappa R)^2: 1 % at this strain.
+Floats = NDArray[np.float64]
+
+# Exact bending of a circle is M = E I kappa [1 - c (kappa R)^2] (reference/section.py, nu = .3 to .49): c =
+# 1.45 to 1.51 for Saint Venant-Kirchhoff, .37 to .45 for neo-Hookean, .37 to .75 for Mooney-Rivlin. The first
+# is softer than rubber by about (kappa R)^2, which nears 1 % at this strain.
 STRAIN_LIMIT = 0.08
+# Linear sections lack the second-order lateral field of rubber: c errs by up to .25 in neo-Hookean bending,
+# by .6 to 1.1 in Mooney-Rivlin (section energy of the enhanced formulation against reference/section.py, nu =
+# .3 to .49); 1 % at these strains.
+LINEAR_SECTION_LIMIT = {NeoHookean: 0.2, MooneyRivlin: 0.1}
+# Quadratic sections were compared with the exact section answer up to a full circle of L/R = 40.
+QUADRATIC_SECTION_LIMIT = 0.17
+# Treloar, The Physics of Rubber Elasticity (1975), ch. 5: natural rubber follows the neo-Hookean law up to a
+# stretch of about 1.5 and Mooney's up to about 2; beyond, chains of finite length stiffen.
+STRETCH_LIMIT = {NeoHookean: 1.5, MooneyRivlin: 2.0}
+# lambda/2 (ln J)^2 and K/2 (J - 1)^2 have the same pressure to first order; they differ by 3/2 (J - 1) of it.
+VOLUME_LIMIT = 0.2
 # Curvature-thickness locking of full axial rules reaches 1 % of the tip at this slenderness of an element.
 LOCKING_SLENDERNESS = 25.0
-# A circle's J; other linear sections twist without warping and are too stiff by more than this.
+# Torsion in a section moment that is worth a warning where the section's torsion stiffness is not exact.
 TORSION_SHARE = 1e-3
+OUTLINE_POINTS = 16
+
+
+def scene_warnings(model: Model) -> list[str]:
+    """Limits of a scene that are known before it is solved, one sentence each."""
+    return [f"rod {rod.rod.name!r}: {text}" for rod in model.rods for text in _discretisation(rod)]
 
 
 def validity_warnings(solution: Solution) -> list[str]:
-    """Warnings of a solution, one sentence each with the number that caused it."""
-    found = []
+    """Warnings of a solution, one sentence each with the number that caused it and its limit."""
+    found = scene_warnings(solution.model)
     if solution.stable is False:
         found.append(
             "this equilibrium is unstable: its tangent has a negative eigenvalue, as beyond a buckling load; "
             "a small lateral load leads to the stable branch"
         )
     for rod in solution.model.rods:
-        found += [f"rod {rod.rod.name!r}: {text}" for text in _of_rod(solution, rod)]
+        y, z = np.vstack([rod.rod.section.outline(OUTLINE_POINTS), np.zeros(2)]).T  # the axis comes last
+        strain = section_strain(rod, solution.q, y, z)
+        texts = [
+            *_turns(solution, rod),
+            *_law(rod, strain),
+            *_section(rod, strain),
+            *_torsion(solution, rod),
+        ]
+        found += [f"rod {rod.rod.name!r}: {text}" for text in texts]
     return found
 
 
-def _of_rod(solution: Solution, rod: RodModel) -> list[str]:
-    spec, found = rod.rod, []
+def _discretisation(rod: RodModel) -> Iterator[str]:
+    """Limits of formulation and axial rule."""
+    spec, element = rod.rod, rod.element
     nu = spec.material.poisson_ratio
-    if spec.formulation == "continuum" and nu != 0.0:
+    if spec.formulation == "continuum" and not element.quadratic_section and nu != 0.0:
         factor = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
-        found.append(
+        yield (
             f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
-            f'times its value at nu = {nu:g} (Poisson locking, at every mesh); use "enhanced"'
+            f"times its value at nu = {nu:.4g} (Poisson locking, at every mesh and for every law); "
+            'use "enhanced"'
         )
-    if rod.axial_points < rod.element.axial_points:
-        found.append(
-            f"axial_rule {rod.axial_points} is below the {rod.element.axial_points} points that element "
-            f"{rod.element.name} needs: zero-energy modes may spoil the answer"
+    if rod.axial_points < element.axial_points:
+        yield (
+            f"axial_rule {rod.axial_points} is below the {element.axial_points} points that element "
+            f"{element.name} needs: zero-energy modes may spoil the answer"
         )
-    turn = float(element_turns(rod, solution.q).max())
-    if turn > LARGEST_TURN:
-        found.append(
-            f"elements are too long for this shape: one turns by {turn:.2g} rad between its ends (above "
-            f"{LARGEST_TURN:g}); use at least {turn / (0.5 * LARGEST_TURN):.0f} times as many"
-        )
-    strain = largest_strain(solution, rod)
-    if strain > STRAIN_LIMIT:
-        found.append(
-            f"largest Green-Lagrange strain {strain:.2g} exceeds {STRAIN_LIMIT:g}: Saint Venant-Kirchhoff "
-            "and a linear section depart from a real solid there, in bending by 1.4 times the strain squared"
-        )
-    slenderness = spec.length / spec.elements / rod.rod.section.radius_of_gyration
-    locks = rod.axial_points >= rod.element.locks_from
-    if locks and slenderness > LOCKING_SLENDERNESS:
-        found.append(
-            f"{rod.element.name} with {rod.axial_points} axial points locks in bending: element length "
+    slenderness = spec.length / spec.elements / spec.section.radius_of_gyration
+    if rod.axial_points >= element.locks_from and slenderness > LOCKING_SLENDERNESS:
+        yield (
+            f"{element.name} with {rod.axial_points} axial points locks in bending: element length "
             f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
             "default rule, or more elements"
         )
-    if not isinstance(spec.section, Circle | Annulus):
-        share = twist_share(solution, rod)
-        if share > TORSION_SHARE:
-            found.append(
-                f"known limit: {share:.1%} of the squared section moment is torsion, and sections of "
-                f"{rod.element.name} cannot warp: torsion stiffness G (I_y + I_z) is too high unless round"
-            )
-    return found
 
 
-def largest_strain(solution: Solution, rod: RodModel) -> float:
-    """Largest Green-Lagrange strain component at the axial points on the outline of the section.
+def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:
+    turn = float(element_turns(rod, solution.q).max())
+    if turn > LARGEST_TURN:
+        yield (
+            f"elements are too long for this shape: one turns by {turn:.2g} rad between its ends (above "
+            f"{LARGEST_TURN:g}); use at least {turn / (0.5 * LARGEST_TURN):.0f} times as many"
+        )
 
-    Sections of elements of one length have the same reference (constant curvature), so one strain matrix per
-    kind of element and axial point serves all.
+
+def _law(rod: RodModel, strain: Floats) -> Iterator[str]:
+    """Range of the law, from the strain (sections, skin and axis last, 6).
+
+    One sentence serves Saint Venant-Kirchhoff and a linear section, whose errors are of one size.
     """
-    y, z = rod.rod.section.outline(16).T
-    gamma = rod.elastic.gamma(rod.generalised(solution.q))
-    v0 = rod.elastic.v0
-    first, kind = rod.element_kinds
-    largest = 0.0
-    for row, index in enumerate(first):
-        for point in range(rod.axial_points):
-            _, weights = local_gradient(rod.element, v0[index, point], y, z)
-            strain = gamma[kind == row, point] @ np.concatenate(strain_matrix(weights)).T
-            largest = max(largest, float(np.max(np.abs(strain))))
-    return largest
+    material = rod.rod.material
+    if isinstance(material, SaintVenantKirchhoff):
+        largest = float(np.max(np.abs(strain)))
+        if largest > STRAIN_LIMIT:
+            section = "" if rod.element.quadratic_section else " and a linear section"
+            advice = "use neo-hookean" if rod.element.quadratic_section else "use 3363 and neo-hookean"
+            yield (
+                f"largest Green-Lagrange strain {largest:.2g} exceeds {STRAIN_LIMIT:g}: Saint "
+                f"Venant-Kirchhoff{section} departs from a rubber there, in bending by about the square of "
+                f"the strain, and softens in compression; {advice}"
+            )
+        return
+    squares = 1.0 + 2.0 * np.linalg.eigvalsh(tensor(strain, shear=0.5))
+    stretch = np.sqrt(np.maximum(squares, 0.0))  # a flat section leaves -1e-16
+    name, limit = type(material).__name__, STRETCH_LIMIT[type(material)]
+    if not 1.0 / limit <= stretch.min() <= stretch.max() <= limit:
+        yield (
+            f"principal stretches reach from {stretch.min():.3g} to {stretch.max():.3g}, beyond "
+            f"{1.0 / limit:.3g} to {limit:g}: rubber leaves the {name} law there, and stiffens"
+        )
+    # `enhanced` has the law's volume energy on the axis alone: linear sections cannot contract by fibres.
+    counted = stretch[:, -1:] if rod.rod.formulation == "enhanced" else stretch
+    volume = np.prod(counted, axis=-1) - 1.0
+    worst = float(volume.flat[np.argmax(np.abs(volume))])
+    if abs(worst) > VOLUME_LIMIT:
+        yield (
+            f"the volume changes by {worst:.0%} (beyond {VOLUME_LIMIT:.0%}): the volume energy of {name} is "
+            "a choice of form there, not a property of the material"
+        )
+
+
+def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
+    """What the section cannot follow, by how much the strain varies over it: curvature or twist times radius.
+
+    Uniform states are exact in every element and law, so they do not count.
+    """
+    spread = float(np.max(np.abs(strain[:, :-1] - strain[:, -1:]) * np.array([1, 1, 1, 0.5, 0.5, 0.5])))
+    if rod.element.quadratic_section:
+        if spread > QUADRATIC_SECTION_LIMIT:
+            yield (
+                f"the strain varies by {spread:.2g} from axis to skin: the quadratic section of "
+                f"{rod.element.name} was compared with the exact section answer up to "
+                f"{QUADRATIC_SECTION_LIMIT:g} only"
+            )
+        return
+    limit = LINEAR_SECTION_LIMIT.get(type(rod.rod.material))
+    if limit is not None and spread > limit:
+        yield (
+            f"the strain varies by {spread:.2g} from axis to skin (above {limit:g}): a linear section "
+            "lacks the second-order lateral field of rubber, an error in bending that grows with the square, "
+            "is 1 % there and stays at every mesh; use 3363"
+        )
+
+
+def _torsion(solution: Solution, rod: RodModel) -> Iterator[str]:
+    """Torsion stiffness: exact where the element's sections can take the warping of the section."""
+    section = rod.rod.section
+    # Saint-Venant warping is nothing on a circle, and y z on an ellipse.
+    exact = (Circle, Annulus, Ellipse) if rod.element.quadratic_section else (Circle, Annulus)
+    if isinstance(section, exact):
+        return
+    share = twist_share(solution, rod)
+    if share <= TORSION_SHARE:
+        return
+    if rod.element.quadratic_section:
+        limit = (
+            f"sections of {rod.element.name} warp by y z, y^2 and z^2 only: torsion stiffness is too high, "
+            "on rectangles by up to 19 %, and more on thin or angular sections"
+        )
+    else:
+        limit = (
+            f"sections of {rod.element.name} cannot warp: torsion stiffness G (I_y + I_z) is too high unless "
+            "round"
+        )
+    yield f"known limit: {share:.1%} of the squared section moment is torsion, and {limit}"
 
 
 def twist_share(solution: Solution, rod: RodModel) -> float:

@@ -7,6 +7,8 @@ O(R/L) and hides the O((kappa R)^2) difference between solid and beam.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,50 +31,81 @@ def section_moments(section_nodes: Array, mass: Array) -> Array:
 def section_rotation(x: Array, W: Array) -> Array:
     """Rotation of a deformed section, the polar factor of int (x - x_mean)(X - X_mean)^T dA.
 
-    Takes positions (ns, 3) [m]; returns (3, 3) with determinant +1. The matrix has rank 2: the determinant
-    decides the sign of the third direction.
+    Takes positions (..., ns, 3) [m]; returns (..., 3, 3) with determinant +1. The matrix has rank 2: the
+    determinant decides the sign of the third direction.
     """
-    U, _, Vt = np.linalg.svd(x.T @ W)
-    sign = np.sign(np.linalg.det(U) * np.linalg.det(Vt))
-    return U @ np.diag([1.0, 1.0, sign]) @ Vt
+    U, _, Vt = np.linalg.svd(x.swapaxes(-1, -2) @ W)
+    U[..., 2] *= (np.linalg.det(U) * np.linalg.det(Vt))[..., None]
+    return U @ Vt
 
 
-def couple_force(x: Array, W: Array, moment: Array) -> tuple[Array, Array]:
-    """Nodal forces of a couple that is fixed in space, f_a = mu x (R W_a), and their tangent.
+@dataclass(frozen=True, eq=False)
+class SectionSpin:
+    """Polar rotation of a section and its linearisation.
+
+    `R` (3, 3), `V` (3, 3) [m^4], `G_inv` (3, 3) [m^-4], `a` (ns, 3) [m^3], `w_x` (ns, 3, 3) [1/m]: the spin
+    of R is sum_a w_x[a] dx_a, from G w = sum_a a_a x dx_a.
+    """
+
+    R: Array
+    V: Array
+    G_inv: Array
+    a: Array
+    w_x: Array
+
+
+def section_spin(x: Array, W: Array) -> SectionSpin:
+    """Polar rotation of the section at x (ns, 3) [m] and its derivative."""
+    R = section_rotation(x, W)
+    V = x.T @ W @ R.T
+    G_inv = np.linalg.inv(np.trace(V) * np.eye(3) - V)
+    a = W @ R.T
+    return SectionSpin(R, V, G_inv, a, G_inv @ hat(a))
+
+
+def couple_force(spin: SectionSpin, moment: Array, follower_moment: Array) -> tuple[Array, Array]:
+    """Nodal forces of a couple M = moment + R follower_moment, f_a = mu x (R W_a), and their tangent.
 
     Parameters
     ----------
-    x : (ns, 3) [m]
-        Positions of the end section's nodes.
-    W : (ns, 3) [m^3]
-        Section moments.
+    spin : SectionSpin
+        Of the end section.
     moment : (3,) [N m]
-        The couple, components in space.
+        Fixed in space.
+    follower_moment : (3,) [N m]
+        Turns with R; components in the reference.
 
     Returns
     -------
     force : (ns, 3) [N]
-        Its sum is zero and sum_a x_a x f_a = moment; its power is moment . w with w the spin of R.
+        Its sum is zero and sum_a x_a x f_a = M; its power is M . w with w the spin of R.
     tangent : (3 ns, 3 ns) [N/m]
         df/dx. Unsymmetric unless the problem is planar.
 
     Notes
     -----
-    G w = sum_a (R W_a) x dx_a gives the spin; dmu = -G^-1 (tr(dV) mu - dV mu), dV = dA_x R^T - V hat(w).
+    dmu = G^-1 (dM - tr(dV) mu + dV mu), dV = dA_x R^T - V hat(w), dM = w x R follower_moment.
     """
-    A_x = x.T @ W
-    R = section_rotation(x, W)
-    V = A_x @ R.T
-    G_inv = np.linalg.inv(np.trace(V) * np.eye(3) - V)
-    mu = G_inv @ moment
-    a = W @ R.T
-    mu_hat = hat(mu)
-    force = a @ mu_hat.T
-
-    a_hat = hat(a)
-    w_x = G_inv @ a_hat  # (ns, 3, 3): spin by nodal displacement
-    stretch = mu[:, None] * a[:, None, :] - (a @ mu)[:, None, None] * np.eye(3)
-    mu_x = -G_inv @ (stretch - V @ mu_hat @ w_x)
+    carried = spin.R @ follower_moment
+    mu = spin.G_inv @ (moment + carried)
+    mu_hat, a_hat = hat(mu), hat(spin.a)
+    force = spin.a @ mu_hat.T
+    stretch = mu[:, None] * spin.a[:, None, :] - (spin.a @ mu)[:, None, None] * np.eye(3)
+    mu_x = -spin.G_inv @ (stretch + (hat(carried) - spin.V @ mu_hat) @ spin.w_x)
     f_w = mu_hat @ a_hat
-    tangent = -np.einsum("aij,bjk->aibk", a_hat, mu_x) - np.einsum("aij,bjk->aibk", f_w, w_x)
-    return force, tangent.reshape(3 * len(x), 3 * len(x))
+    tangent = -np.einsum("aij,bjk->aibk", a_hat, mu_x) - np.einsum("aij,bjk->aibk", f_w, spin.w_x)
+    return force, tangent.reshape(force.size, force.size)
+
+
+def resultant_force(
+    spin: SectionSpin, share: Array, force: Array, follower_force: Array
+) -> tuple[Array, Array]:
+    """Nodal forces of an even traction with the resultant force + R follower_force, and their tangent.
+
+    f_a = share_a (force + R follower_force), df_a = share_a w x R follower_force; `share` (ns,) [-] is the
+    part of the area that belongs to a node, sum 1. Returns (ns, 3) [N] and (3 ns, 3 ns) [N/m].
+    """
+    carried = spin.R @ follower_force
+    tangent = -np.einsum("a,ij,bjk->aibk", share, hat(carried), spin.w_x)
+    nodal = share[:, None] * (force + carried)
+    return nodal, tangent.reshape(nodal.size, nodal.size)

@@ -1,4 +1,4 @@
-"""Static equilibrium of a solid rod: problem, result, and Newton's method between them.
+"""Newton's method for the static equilibrium of a solid rod.
 
 Symbols: `u` nodal displacement (n, 3) [m], `F` deformation gradient, `P_pk1` and `A_pk1` stress and tangent,
 `S_pk2` second Piola-Kirchhoff stress, `Q_int`, `Q_ext` nodal forces [N], `K` tangent [N/m].
@@ -6,185 +6,164 @@ Symbols: `u` nodal displacement (n, 3) [m], `F` deformation gradient, `P_pk1` an
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.solid_assembly import SolidAssembly
-from reference.solid_couple import couple_force, section_moments, section_rotation
-from reference.solid_materials import SolidMaterial
-from reference.solid_mesh import RodMesh
+from reference.solid_cost import check_cost
+from reference.solid_couple import (
+    couple_force,
+    resultant_force,
+    section_moments,
+    section_rotation,
+    section_spin,
+)
+from reference.solid_forms import solid_form
+from reference.solid_linear import linear_solver
+from reference.solid_problem import SolidProblem, SolidResult, SolidStatus
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-10  # of |Q_int|
 FORCE_FLOOR = 1e-5  # of E A: TOLERANCE times this is the round-off of a stress-free rod
 STALLED_STEP = 1e-9  # of the length: so small a step with a residual below STALLED_RESIDUAL is round-off
 STALLED_RESIDUAL = 1e-6
-MAX_ITERATIONS = 30
 MAX_HALVINGS = 8
 
 
-class SolidStatus(StrEnum):
-    """How a solution ended."""
-
-    CONVERGED = "converged"
-    NOT_CONVERGED = "not_converged"
-    INVERTED_ELEMENT = "inverted_element"
-    NOT_FINITE = "not_finite"
-
-
-@dataclass(frozen=True, eq=False)
-class SolidProblem:
-    """A rod, its law, its supports, the couple on its end face and a start value.
-
-    `fixed` (n, 3) bool marks the displacement components that keep the value they have in `guess` (n, 3)
-    [m]; `moment` (3,) [N m] is fixed in space. Raises `ValueError` for wrong shapes and values that are not
-    finite.
-    """
-
-    mesh: RodMesh
-    material: SolidMaterial
-    fixed: NDArray[np.bool_]
-    guess: Array
-    moment: Array = field(default_factory=lambda: np.zeros(3))
-    tolerance: float = TOLERANCE
-    max_iterations: int = MAX_ITERATIONS
-
-    def __post_init__(self) -> None:
-        nodal = self.mesh.nodes.shape
-        for name, value, shape in [
-            ("fixed", self.fixed, nodal),
-            ("guess", self.guess, nodal),
-            ("moment", self.moment, (3,)),
-        ]:
-            if value.shape != shape:
-                raise ValueError(f"{name} has the shape {value.shape}; {shape} is needed.")
-            if not np.all(np.isfinite(value)):
-                raise ValueError(f"{name} is not finite.")
-
-
-@dataclass(frozen=True, eq=False)
-class SolidResult:
-    """Equilibrium of a solid rod, or the last admissible state and the reason why there is none.
-
-    `tip_position` (3,) [m] is the area mean of the end section, `tip_centre` (3,) [m] its material point on
-    the axis, `tip_rotation` (3, 3) its polar rotation, `strain_energy` [J], `residual` [-] is
-    |Q_ext - Q_int|/|Q_int| over the free components, `iterations` counts factorisations, `seconds` is wall
-    time with mesh and set-up, `seconds_by_part` splits it, `positions` (n, 3) [m] belongs to the nodes of
-    `problem.mesh`.
-    Energy and residual are infinite when the start value was not admissible.
-    """
-
-    status: SolidStatus
-    reason: str
-    tip_position: Array
-    tip_centre: Array
-    tip_rotation: Array
-    strain_energy: float
-    residual: float
-    iterations: int
-    unknowns: int
-    seconds: float
-    seconds_by_part: dict[str, float]
-    positions: Array
-    problem: SolidProblem
-
-    @property
-    def converged(self) -> bool:
-        """Whether the state is an equilibrium."""
-        return self.status is SolidStatus.CONVERGED
-
-    def tip_angle(self, near: float) -> float:
-        """Rotation of the tip about z [rad] on the branch closest to `near`, for bending in the x-y plane."""
-        angle = np.arctan2(self.tip_rotation[1, 0], self.tip_rotation[0, 0])
-        return float(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
-
-
-def solve_solid(problem: SolidProblem, *, begin: float | None = None) -> SolidResult:
+def solve_solid(
+    problem: SolidProblem,
+    *,
+    begin: float | None = None,
+    memory_limit: float | None = None,
+    seconds_limit: float | None = None,
+    report: Callable[[str], None] | None = None,
+) -> SolidResult:
     """Newton's method from `problem.guess` at the full load; a failure is a status, never an exception.
 
-    `begin` [s, perf_counter] starts the clock earlier, so that `seconds` includes the making of the mesh.
+    Parameters
+    ----------
+    problem : SolidProblem
+        What to solve.
+    begin : float, optional
+        [s, perf_counter]. Starts the clock earlier, so that `seconds` includes the making of the mesh.
+    memory_limit : float, optional
+        [byte].
+    seconds_limit : float, optional
+        [s].
+    report : callable, optional
+        Takes the estimated cost as one line before the work starts.
+
+    Raises
+    ------
+    SolidTooLarge
+        When the estimate exceeds a limit; nothing has been allocated then.
     """
-    newton = _Newton(problem, perf_counter() if begin is None else begin)
-    lowest, where = _lowest_determinant(newton.F)
-    if lowest <= 0:
-        return newton.result(SolidStatus.INVERTED_ELEMENT, f"The start value is not admissible: {where}.")
-    while True:
-        newton.evaluate()
-        at = f"residual {newton.residual:.1e} after {newton.iterations} iterations"
-        if newton.residual <= problem.tolerance:
-            return newton.result(SolidStatus.CONVERGED, at)
-        if newton.step <= STALLED_STEP * problem.mesh.length and newton.residual <= STALLED_RESIDUAL:
-            return newton.result(SolidStatus.CONVERGED, f"{at}, at the round-off of the stress")
-        if newton.iterations >= problem.max_iterations:
-            advice = "Start closer to the solution or apply the load in steps."
-            return newton.result(SolidStatus.NOT_CONVERGED, f"{at} > {problem.tolerance:.1e}. {advice}")
-        try:
-            du = newton.direction()
-        except np.linalg.LinAlgError as error:
-            return newton.result(SolidStatus.NOT_FINITE, f"The tangent is singular: {error}; {at}.")
-        if not np.all(np.isfinite(du)):
-            return newton.result(SolidStatus.NOT_FINITE, f"The Newton step is not finite; {at}.")
-        inverted = newton.advance(du)
-        if inverted:
-            reason = f"{MAX_HALVINGS} halvings of the step do not cure it: {inverted}; {at}."
-            return newton.result(SolidStatus.INVERTED_ELEMENT, reason)
+    begin = perf_counter() if begin is None else begin
+    check_cost(
+        problem.mesh,
+        problem.formulation,
+        memory_limit=memory_limit,
+        seconds_limit=seconds_limit,
+        report=report,
+    )
+    return Newton(problem, begin).run()
 
 
-class _Newton:
+class Newton:
     """State of the iteration.
 
     The tangent is that of the mixed-integration-point method: its geometric part takes the stress predicted
     by the last linear step, S(u_k) + dS(du), instead of S(u_k+1), which saves up to half of the
-    iterations; the residual is the true one (Magisano, Leonetti, Garcea 2017).
+    iterations; the residual is the true one (Magisano, Leonetti, Garcea 2017). The pressure of the mixed
+    form is predicted alike, p(u_k) + dp(du), which is Newton on displacement and pressure; it starts from
+    zero, because the small error of volume of a start value makes an enormous pressure at nu near 1/2.
     """
 
     def __init__(self, problem: SolidProblem, begin: float) -> None:
         mesh = problem.mesh
-        self.problem = problem
         self.begin = self._clock = begin
         self.seconds = {"setup": 0.0, "assembly": 0.0, "linear_solve": 0.0}
         self.assembly = SolidAssembly(mesh, problem.fixed)
+        self.form = solid_form(problem.formulation, problem.material, self.assembly)
+        self.linear = linear_solver(problem.linear_solver, self.assembly.block_starts)
         self.end = mesh.plane(-1)
         self.W = section_moments(mesh.section.nodes, mesh.section.mass)
+        self.share = mesh.section.mass.sum(axis=0) / mesh.section.area
+        self.restart(problem, np.zeros(self.assembly.volume.shape))
+        self._charge("setup")
+
+    def restart(self, problem: SolidProblem, p: Array) -> None:
+        """Another start value, pressure p (n_el, n_qp) and loads on the same mesh, law and supports."""
+        self.problem = problem
+        self.p = p
         self.u = problem.guess.astype(float)
         self.F = self.assembly.deformation_gradient(self.u)
         self.S_predicted: Array | None = None
         self.step = np.inf
         self.iterations = 0
         self.residual = np.inf
-        self._charge("setup")
+        self.out_of_balance = np.zeros_like(self.u)
+
+    def run(self) -> SolidResult:
+        """Iterate to an equilibrium or to a reason why there is none."""
+        problem = self.problem
+        where = self.form.inadmissible(self.F)
+        if where:
+            return self.result(SolidStatus.INVERTED_ELEMENT, f"The start value is not admissible: {where}.")
+        while True:
+            self.evaluate()
+            at = f"residual {self.residual:.1e} after {self.iterations} iterations"
+            if not np.isfinite(self.residual):
+                return self.result(SolidStatus.NOT_FINITE, f"The nodal forces are not finite; {at}.")
+            if self.residual <= problem.tolerance:
+                return self.result(SolidStatus.CONVERGED, at)
+            if self.step <= STALLED_STEP * problem.mesh.length and self.residual <= STALLED_RESIDUAL:
+                return self.result(SolidStatus.CONVERGED, f"{at}, at the round-off of the stress")
+            if self.iterations >= problem.max_iterations:
+                advice = "Start closer to the solution or apply the load in steps."
+                return self.result(SolidStatus.NOT_CONVERGED, f"{at} > {problem.tolerance:.1e}. {advice}")
+            try:
+                du = self.direction()
+            except np.linalg.LinAlgError as error:
+                return self.result(SolidStatus.NOT_FINITE, f"The tangent is singular: {error}; {at}.")
+            if not np.all(np.isfinite(du)):
+                return self.result(SolidStatus.NOT_FINITE, f"The Newton step is not finite; {at}.")
+            inverted = self.advance(du)
+            if inverted:
+                reason = f"{MAX_HALVINGS} halvings of the step do not cure it: {inverted}; {at}."
+                return self.result(SolidStatus.INVERTED_ELEMENT, reason)
 
     def evaluate(self) -> None:
-        """Stress, out-of-balance force, couple tangent and residual of the present state."""
-        mesh, material = self.problem.mesh, self.problem.material
-        self.P_pk1 = material.stress(self.F)
+        """Stress, out-of-balance force, load tangent and residual of the present state."""
+        problem, mesh = self.problem, self.problem.mesh
+        self.P_pk1 = self.form.stress(self.F)
         Q_int = self.assembly.internal_force(self.P_pk1)
-        x_end = mesh.nodes[self.end] + self.u[self.end]
-        Q_couple, self.K_load = couple_force(x_end, self.W, self.problem.moment)
-        self.right = -Q_int
-        self.right[self.end] += Q_couple
-        self.right[self.problem.fixed] = 0.0
-        floor = FORCE_FLOOR * material.young_modulus * mesh.section.area
+        spin = section_spin(mesh.nodes[self.end] + self.u[self.end], self.W)
+        Q_couple, K_couple = couple_force(spin, problem.moment, problem.follower_moment)
+        Q_force, K_force = resultant_force(spin, self.share, problem.force, problem.follower_force)
+        self.K_load = K_couple + K_force
+        self.out_of_balance = self.assembly.nodal_volume[:, None] * problem.body_force - Q_int
+        self.out_of_balance[self.end] += Q_couple + Q_force
+        self.right = np.where(problem.fixed, 0.0, self.out_of_balance)
+        floor = FORCE_FLOOR * problem.material.young_modulus * mesh.section.area
         self.residual = float(np.linalg.norm(self.right) / max(float(np.linalg.norm(Q_int)), floor))
         self._charge("assembly")
 
     def direction(self) -> Array:
         """Newton step (n, 3) [m] with the mixed-integration-point tangent."""
-        self.A_pk1 = self.problem.material.tangent(self.F)
-        self.S_pk2 = np.linalg.solve(self.F, self.P_pk1)
-        A_mixed = self.A_pk1
+        self.linearisation = self.form.linearise(self.F, self.p)
+        self.S_pk2 = np.linalg.solve(self.F, self.linearisation.P_pk1)
+        A_mixed = self.linearisation.A_pk1
         if self.S_predicted is not None:
-            A_mixed = self.A_pk1.copy()
+            A_mixed = A_mixed.copy()
             for i in range(3):  # d_ik (S_predicted - S)_JL
                 A_mixed[..., i, :, i, :] += self.S_predicted - self.S_pk2
-        K = self.assembly.tangent(A_mixed, self.K_load)
+        K = self.assembly.tangent(A_mixed, self.K_load, self.linearisation.K_element)
         self._charge("assembly")
-        du = self.assembly.solve(K, self.right)
+        du = self.linear.solve(K, self.right.ravel()).reshape(-1, 3)
         self.iterations += 1
         self._charge("linear_solve")
         return du
@@ -193,14 +172,16 @@ class _Newton:
         """Take the step, halved until no point is inverted; returns the inverted place if that fails."""
         dF = self.assembly.gradient(du)
         for _ in range(MAX_HALVINGS + 1):
-            lowest, where = _lowest_determinant(self.F + dF)
-            if lowest > 0:
+            where = self.form.inadmissible(self.F + dF)
+            if not where:
                 break
             du, dF = du / 2, dF / 2
         else:
             return where
-        dP = np.einsum("eqiJkL,eqkL->eqiJ", self.A_pk1, dF, optimize=True)
-        self.S_predicted = self.S_pk2 + np.linalg.solve(self.F, dP - dF @ self.S_pk2)
+        dP = self.linearisation.stress_rate(dF)
+        S_predicted = np.linalg.solve(self.F, self.P_pk1 + dP - dF @ self.S_pk2)
+        self.S_predicted = np.asarray(S_predicted, float)
+        self.p = self.form.point_pressure(self.F) + self.linearisation.pressure_rate(dF)
         self.u = self.u + du
         self.F = self.assembly.deformation_gradient(self.u)
         self.step = float(np.max(np.abs(du)))
@@ -210,23 +191,21 @@ class _Newton:
         """Record of the present state."""
         problem, mesh = self.problem, self.problem.mesh
         x = mesh.nodes + self.u
-        x_end = x[self.end]
-        energy = (
-            self.assembly.integrate(problem.material.energy(self.F)) if self.residual < np.inf else np.inf
-        )
+        x_end, centre = x[self.end], mesh.section.centre
         return SolidResult(
             status=status,
             reason=reason,
-            tip_position=mesh.section.mass.sum(axis=0) @ x_end / mesh.section.area,
-            tip_centre=x_end[mesh.section.centre],
+            tip_position=self.share @ x_end,
+            tip_centre=None if centre is None else x_end[centre],
             tip_rotation=section_rotation(x_end, self.W),
-            strain_energy=energy,
-            residual=self.residual,
+            strain_energy=self.form.energy(self.F) if np.isfinite(self.residual) else np.inf,
+            residual=self.residual if np.isfinite(self.residual) else np.inf,
             iterations=self.iterations,
             unknowns=int(np.sum(~problem.fixed)),
             seconds=perf_counter() - self.begin,
             seconds_by_part=self.seconds,
             positions=x,
+            reactions=np.where(problem.fixed, -self.out_of_balance, 0.0),
             problem=problem,
         )
 
@@ -235,10 +214,3 @@ class _Newton:
         now = perf_counter()
         self.seconds[part] += now - self._clock
         self._clock = now
-
-
-def _lowest_determinant(F: Array) -> tuple[float, str]:
-    """Smallest det F of all integration points, and where it is."""
-    J = np.linalg.det(F)
-    element, point = np.unravel_index(np.argmin(J), J.shape)
-    return float(J[element, point]), f"det F = {J[element, point]:.2e} in element {element}, point {point}"

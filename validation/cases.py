@@ -25,6 +25,8 @@ CASES = Path(__file__).parent / "cases"
 INDEPENDENCE = {
     "closed form": "a formula, derived again in reference/ without the solver",
     "rod integration": "the Simo-Reissner rod integrated by collocation in reference/, no code in common",
+    "section problem": "the three-dimensional continuum, reduced to its section; separate code in reference/",
+    "3-D solid": "hexahedra of second order with scikit-fem; separate code and laws in reference/",
     "other code": "numbers published or computed by others",
     "identity": "a property that holds exactly for every correct program; no reference is needed",
     "own earlier number": "a count of our own; it shows change, not truth",

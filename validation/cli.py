@@ -13,13 +13,18 @@ import typer
 if TYPE_CHECKING:
     from validation.runner import Run
 
-FAILED = 5  # exit code: a required check failed or was inconclusive
-WRONG_INPUT = 2
+# Exit codes of interface.md; the last is the shell's for a program ended by Ctrl-C.
+WRONG_INPUT, NOT_CERTIFIED, FAILED, INTERRUPTED = 2, 4, 5, 130
 
 Quick = Annotated[bool, typer.Option("--quick", help="The quick set (default), about a minute.")]
 Full = Annotated[bool, typer.Option("--full", help="All cases, finer meshes, more random examples.")]
 Fresh = Annotated[
-    bool, typer.Option("--fresh", help="Recompute everything. There is no cache yet: always the case.")
+    bool,
+    typer.Option("--fresh", help="Recompute stored references; do not go on with an interrupted run."),
+]
+Ship = Annotated[
+    bool,
+    typer.Option("--ship", help="With --full: also replace validation/certificate.json, which is shipped."),
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for report.json and report.html.")]
 Only = Annotated[
@@ -34,18 +39,24 @@ def validate(
     fresh: Fresh = False,
     out: Out = Path("report"),
     case: Only = None,
+    ship: Ship = False,
 ) -> None:
-    """Hold the solver against exact answers; writes report.json."""
-    record = _run(quick, full, out, tuple(case or ()))
+    """Hold the solver against exact answers; writes report.json and, if all passed, certificate.json."""
+    record, certificates = _run(quick, full, fresh, out, tuple(case or ()), ship)
     from validation.record import write_json
 
-    written = write_json(record, out)
-    _finish(record, [written])
+    _finish(record, [write_json(record, out), *certificates])
 
 
-def report(quick: Quick = False, full: Full = False, fresh: Fresh = False, out: Out = Path("report")) -> None:
+def report(
+    quick: Quick = False,
+    full: Full = False,
+    fresh: Fresh = False,
+    out: Out = Path("report"),
+    ship: Ship = False,
+) -> None:
     """Validate, then write one self-contained offline report.html beside report.json."""
-    record = _run(quick, full, out, ())
+    record, certificates = _run(quick, full, fresh, out, (), ship)
     from validation.record import write_json
     from validation.report.page import write_page
 
@@ -53,29 +64,39 @@ def report(quick: Quick = False, full: Full = False, fresh: Fresh = False, out: 
     started = time.perf_counter()
     page = write_page(record, out)
     sys.stderr.write(f"figures and page: {time.perf_counter() - started:.1f} s\n")
-    _finish(record, [written, page])
+    _finish(record, [written, page, *certificates])
 
 
-def _run(quick: bool, full: bool, out: Path, wanted: tuple[str, ...]) -> Run:
-    """Check the input, then run; exits with code 2 and the five parts when the input is wrong."""
+def _run(
+    quick: bool, full: bool, fresh: bool, out: Path, wanted: tuple[str, ...], ship: bool
+) -> tuple[Run, list[Path]]:
+    """Check the input, run, certify; exits with code 2 and the five parts when the input is wrong."""
     _pin_threads()
     from ancf.errors import InputError
 
     try:
         _check(quick, full, out)
+        _check_ship(full, wanted, ship)
         if wanted:
             _check_names(wanted)
-        from validation.cases import load_cases
+        from validation.runner import all_cases
 
-        load_cases()
+        all_cases()
         out.mkdir(parents=True, exist_ok=True)
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         raise typer.Exit(WRONG_INPUT) from None
+    from validation.certify import certify
     from validation.runner import run
 
-    with _Progress() as progress:
-        return run("full" if full else "quick", progress, wanted)
+    try:
+        with _Progress() as progress:
+            record = run("full" if full else "quick", progress, wanted, folder=out, fresh=fresh)
+    except KeyboardInterrupt:
+        kept = f" What is finished is kept in {out}; the same command goes on from there." if full else ""
+        sys.stderr.write(f"Interrupted.{kept}\n")
+        raise typer.Exit(INTERRUPTED) from None
+    return record, certify(record, out, ship)
 
 
 def _check(quick: bool, full: bool, out: Path) -> None:
@@ -106,13 +127,35 @@ def _check(quick: bool, full: bool, out: Path) -> None:
         )  # fmt: skip
 
 
+def _check_ship(full: bool, wanted: tuple[str, ...], ship: bool) -> None:
+    if not ship:
+        return
+    from ancf.errors import InputError, Message
+    from validation.certificate import SHIPPED
+
+    if not full or wanted:
+        raise InputError(
+            Message(
+                "Only a whole full run can be shipped.", "--ship", "without --full, or with --case",
+                "a quick or partial run gives no certificate", "add --full, leave out --case",
+            )
+        )  # fmt: skip
+    if not os.access(SHIPPED.parent, os.W_OK):
+        raise InputError(
+            Message(
+                "The shipped certificate cannot be written.", "--ship", f"no permission in {SHIPPED.parent}",
+                "an installed package and not a checkout", "run it in a checkout of the project",
+            )
+        )  # fmt: skip
+
+
 def _check_names(wanted: tuple[str, ...]) -> None:
     import difflib
 
     from ancf.errors import InputError, Message
-    from validation.cases import load_cases
+    from validation.runner import all_cases
 
-    known = [case.id for case in load_cases()]
+    known = [case.id for case in all_cases()]
     for name in wanted:
         if name not in known:
             near = difflib.get_close_matches(name, known, 1, 0.0)[0]
@@ -181,7 +224,25 @@ def _finish(record: Run, written: list[Path]) -> None:
         console.print(f"  {reason}")
     for name in record.blocking:
         console.print(f"  failed: {name}")
+    for notice in record.notices:
+        console.print(f"  notice: {notice}", soft_wrap=True)
     for path in written:
         console.print(f"  written: {path}", soft_wrap=True)
+    for line in _certificate_lines(record):
+        console.print(f"  {line}", soft_wrap=True)
     if verdict is not Verdict.PASS:
         raise typer.Exit(FAILED)
+    if record.scope == "full" and record.complete and record.certificate is None:
+        raise typer.Exit(NOT_CERTIFIED)
+
+
+def _certificate_lines(record: Run) -> list[str]:
+    """What is to be said about the certificate: its id, or every reason against it up to five."""
+    own = record.scope == "full" and record.complete
+    whose = "this run" if own else "the shipped one, valid for this code"
+    if record.certificate is not None:
+        return [f"certificate: {record.certificate} ({whose})"]
+    reasons = record.certificate_reasons
+    more = [f"  and {len(reasons) - 5} more"] if len(reasons) > 5 else []
+    none = "certificate: none" if own else "certificate: the shipped one does not hold for this code"
+    return [none, *(f"  {reason}" for reason in reasons[:5]), *more]

@@ -73,7 +73,7 @@ def judge(limit: Limit, quantity: str, observed: float, reference_error: float =
     Parameters
     ----------
     observed : deviation from the reference, >= 0, in the unit of the limit
-    reference_error : estimated error of the reference itself, same unit
+    reference_error : estimated error of the reference itself, same unit; infinite where it has no answer
 
     Returns
     -------
@@ -87,9 +87,11 @@ def judge(limit: Limit, quantity: str, observed: float, reference_error: float =
             margin = None
         return Finding(quantity, limit, observed if finite else None, reference_error, verdict, margin, note)
 
+    if not math.isfinite(reference_error):
+        return finding(Verdict.INCONCLUSIVE, "the reference has no answer here")
     if not math.isfinite(observed):
         return finding(Verdict.FAIL, "not a finite number")
-    if not math.isfinite(reference_error) or reference_error > REFERENCE_SHARE * limit.value * (1 + 1e-9):
+    if reference_error > REFERENCE_SHARE * limit.value * (1 + 1e-9):
         return finding(
             Verdict.INCONCLUSIVE,
             f"the reference may err by {reference_error:.1e}, more than a third of the limit",

@@ -18,18 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.effects import Effect
-from ancf.quadrature import gauss
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.section_energy import local_gradient, strain_matrix
 
 Floats = NDArray[np.float64]
 
-# Volume integral of the check: one order above the kernel's own rule for curved sections (16), so that both
-# agree to
-# 1e-10 only if both have converged.
-CHECK_DEGREE = 20
-# Differences are taken at these fractions of the state: far above round-off, well inside the domain.
-STEPS = (4e-2, 2e-2, 1e-2)
+# Differences are taken at these fractions of the state: far above round-off, and small enough for rubber,
+# whose energy is no polynomial, that what extrapolation leaves is below 1e-9.
+STEPS = (1e-2, 5e-3, 2.5e-3)
 
 
 def constrained_factor(model: RodModel) -> float:
@@ -114,47 +110,6 @@ def largest_gradient_strain(model: RodModel, q: Floats) -> float:
     return largest
 
 
-def integrated_energy(model: RodModel, q: Floats) -> float:
-    """Strain energy [J] as the volume integral of 1/2 E_gl : D : E_gl, tensors instead of the Gram form.
-
-    `continuum`: lambda/2 tr(E)^2 + mu E : E in any axes. `enhanced` in the section's own axes:
-    sum over the normal strains of E_young/2 E_aa^2 and of 2 G k E_ab^2 over the section, the Poisson part
-    lambda/2 [(tr E)^2 - (1 - 2 nu) sum E_aa^2] on the axis times the area (theory.md 3).
-    """
-    material, section = model.rod.material, model.rod.section
-    young, nu = material.young_modulus, material.poisson_ratio
-    G, lame = young / (2 * (1 + nu)), young * nu / ((1 + nu) * (1 - 2 * nu))
-    k_y, k_z = model.rod.shear_factors
-    y, z, area = section.quadrature(CHECK_DEGREE if np.any(model.rod.curvature) else 6)
-    y, z, area = np.append(y, 0.0), np.append(z, 0.0), np.append(area, 0.0)  # the axis last, without weight
-    total = 0.0
-    for e, e0, h in zip(per_element(model, q), model.e0, model.mesh.h, strict=True):
-        for xi, weight in zip(*gauss(model.axial_points), strict=True):
-            _, J = frame_and_gradients(model, e, xi, h, y, z)
-            R0, J0 = frame_and_gradients(model, e0, xi, h, y, z)
-            F = J @ np.linalg.inv(J0) @ R0  # strain in section axes: R_0^T E R_0
-            strain = 0.5 * (np.swapaxes(F, -1, -2) @ F - np.eye(3))
-            volume = np.linalg.det(J0)
-            normal = np.diagonal(strain, axis1=-2, axis2=-1)
-            if model.rod.formulation == "continuum":
-                density = 0.5 * lame * normal.sum(axis=-1) ** 2 + G * np.sum(strain**2, axis=(-2, -1))
-                axis = 0.0
-            else:
-                shear = strain[:, 1, 2] ** 2 + k_z * strain[:, 0, 2] ** 2 + k_y * strain[:, 0, 1] ** 2
-                density = 0.5 * young * np.sum(normal**2, axis=-1) + 2.0 * G * shear
-                on_axis = normal[-1]
-                axis = 0.5 * lame * (on_axis.sum() ** 2 - (1 - 2 * nu) * np.sum(on_axis**2))
-            total += (
-                0.5 * h * weight * (np.sum(area * volume * density) + section_area(area) * volume[-1] * axis)
-            )
-    return float(total)
-
-
-def section_area(weights: Floats) -> float:
-    """Area [m2] as the sum of quadrature weights."""
-    return float(np.sum(weights))
-
-
 def rigid_force(model: RodModel, q: Floats) -> float:
     """Largest elastic force in units of c E A, slopes' forces by c E A h: zero for a rigid motion."""
     h = float(np.min(model.mesh.h))
@@ -181,34 +136,6 @@ def objectivity(model: RodModel, q: Floats, rotation: Floats) -> float:
     U, U_turned = model.elastic.energy(e), model.elastic.energy(turned)
     Q, Q_turned = model.elastic.force(e), model.elastic.force(turned)
     return max(abs(U_turned / U - 1.0), float(np.max(np.abs(Q_turned @ rotation - Q)) / np.max(np.abs(Q))))
-
-
-def patch_force(model: RodModel, F: Floats) -> float:
-    """Error of the nodal forces of a straight rod in the constant-strain state r = F X, relative to the
-    largest.
-
-    P = F S is constant, so by parts the directors' forces are A P e_x [N_k] at the two ends for the axis,
-    A P e_y int N_1 dx and A P e_z int N_2 dx for the sections, whatever the element lengths.
-    """
-    rod, element = model.rod, model.element
-    A_o = rod.base.rotation
-    strain = 0.5 * (F.T @ F - np.eye(3))
-    local = A_o.T @ strain @ A_o
-    material = rod.material
-    stress = 2.0 * material.lame_mu * local + material.lame_lambda * np.trace(local) * np.eye(3)
-    P = F @ A_o @ stress * rod.section.area  # columns: force on the faces normal to x, y, z of the section
-    expected = np.zeros((len(model.e0), element.vectors_per_element, 3))
-    for index, h in enumerate(model.mesh.h):
-        ends = element.shape(np.array([-1.0, 1.0]), h)[:, 0]
-        expected[index] += np.outer(ends[1] - ends[0], P[:, 0])
-        xi, weight = gauss(4)
-        N = element.shape(xi, h)
-        for column, monomial in ((1, (1, 0)), (2, (0, 1))):
-            mean = 0.5 * h * weight @ N[:, element.directors.index(monomial)]
-            expected[index] += np.outer(mean, P[:, column])
-    found = model.elastic.force(model.e0 @ F.T)
-    unit = np.tile(nodal_units(model, float(np.min(model.mesh.h))), (len(element.node_xi), 1))
-    return float(np.max(np.abs((found - expected) * unit)) / np.max(np.abs(expected * unit)))
 
 
 # --- derivatives

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from validation import problems_force, problems_identity, problems_moment, problems_newton
+from validation import problems_cross, problems_force, problems_identity, problems_moment, problems_newton
 from validation.cases import Case
 from validation.criteria import Finding, Limit, Verdict, judge, worst
 from validation.outcome import Outcome
@@ -22,12 +22,16 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "rod": problems_force.rod,
     "published deflection": problems_force.published_deflection,
     "uniaxial": problems_force.uniaxial,
+    "rubber stretch": problems_force.rubber_stretch,
     "rigid motion": problems_identity.rigid_motion,
     "patch": problems_identity.patch,
     "moment identities": problems_identity.moment_identities,
     "far base": problems_identity.far_base,
     "zero modes": problems_identity.zero_modes,
     "iterations": problems_newton.iterations,
+    "cross-check": problems_cross.cross_check,
+    "gap rate": problems_cross.gap_rate,
+    "ladder": problems_cross.ladder,
 }
 
 

@@ -3,13 +3,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from reference import analytic
+from reference.homogeneous import principal_mooney_rivlin, principal_neo_hookean
+from reference.homogeneous import uniaxial as homogeneous_uniaxial
 from reference.rod import solve_rod
 from validation.cases import Case
 from validation.outcome import Outcome, Row
-from validation.scenes import bending_angle, changed, in_si, reference_rod, solve, stiffness_of
+from validation.scenes import (
+    bending_angle,
+    changed,
+    in_si,
+    reference_rod,
+    solve,
+    stiffness_of,
+    young_modulus,
+)
 
 
 def elastica(case: Case) -> Outcome:
@@ -125,3 +137,42 @@ def uniaxial(case: Case) -> Outcome:
                 Row(f"{label}: lateral stretch", lateral, exact.lateral, "-"),
             ]
     return Outcome(observed, rows, solution, scene)
+
+
+def rubber_stretch(case: Case) -> Outcome:
+    """Stretch of a rubber rod under the axial force that its law needs for it, lateral stress zero.
+
+    `stretches` are imposed through the exact nominal stress; with `incompressible` the force [N] is given and
+    the stretch is that of the incompressible neo-Hookean bar, mu (lambda - 1/lambda^2) = F/A.
+    """
+    observed, rows = {}, []
+    solution = scene = None
+    area = stiffness_of(case.scene).EA / young_modulus(case.rod["material"])
+    for name, wanted, force in _stretches(case, area):
+        scene = changed(case.scene, force=[{"value": [force, 0.0, 0.0]}])
+        solution = solve(scene)
+        tip = solution.tip()
+        axial, lateral = tip.position[0] / case.rod["length"], float(np.linalg.norm(tip.r_y))
+        observed[f"stretch, {name}"] = max(abs(axial / wanted[0] - 1.0), abs(lateral / wanted[1] - 1.0))
+        rows += [
+            Row(f"{name}: axial stretch", float(axial), wanted[0], "-"),
+            Row(f"{name}: lateral stretch", lateral, wanted[1], "-"),
+        ]
+    return Outcome(observed, rows, solution, scene)
+
+
+def _stretches(case: Case, area: float) -> Iterator[tuple[str, tuple[float, float], float]]:
+    """Name, (axial, lateral) stretch and force [N] of every load of a rubber case."""
+    material = case.rod["material"]
+    if "incompressible" in case.parameters:
+        force, mu = case.parameters["incompressible"]["force"], case.parameters["incompressible"]["mu"]
+        stretch = float(np.roots([mu, -force / area, 0.0, -mu])[0].real)
+        yield f"F = {force:g} N, incompressible", (stretch, stretch**-0.5), force
+        return
+    if material["law"] == "neo-hookean":
+        stress = principal_neo_hookean(material["young_modulus"], material["poisson_ratio"])
+    else:
+        stress = principal_mooney_rivlin(material["c10"], material["c01"], material["bulk_modulus"])
+    for stretch in case.parameters["stretches"]:
+        state = homogeneous_uniaxial(stress, stretch)
+        yield f"{stretch:g}", (stretch, state.free), state.stress * area

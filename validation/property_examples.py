@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 
 import ancf
 from ancf.effects import Effect
+from ancf.elements import ELEMENTS
 from ancf.model import Model
 from ancf.scene import Force, LineLoad, Moment, Scene
 from validation import kernel_measures as kernel
 from validation import solution_measures as solution
+from validation.energy_measures import integrated_energy
 from validation.random_rods import (
     Draws,
     RodRange,
@@ -102,7 +104,7 @@ def energy(draws: Draws, element: str) -> float:
     """Gram-form energy against the volume integral, relative."""
     model = random_model(draws, element)
     q = random_state(draws, model)
-    return abs(model.elastic.energy(kernel.per_element(model, q)) / kernel.integrated_energy(model, q) - 1.0)
+    return abs(model.elastic.energy(kernel.per_element(model, q)) / integrated_energy(model, q) - 1.0)
 
 
 def elastic_orders(index: int) -> Observe:
@@ -133,10 +135,14 @@ def mixed_tangent(draws: Draws, element: str) -> float:
     return max(same, kernel.mixed_prediction_error(model, q, q_previous))
 
 
-def patch(draws: Draws, element: str) -> float:
-    """See `kernel_measures.patch_force`."""
-    F = np.diag([1.02, 0.97, 1.01]) + 0.1 * np.array([random_vector(draws) for _ in range(3)])
-    return kernel.patch_force(random_model(draws, element, STRAIGHT), random_rotation(draws) @ F)
+def patch(measure: Callable[..., float]) -> Observe:
+    """One measure of a straight rod in a random state of constant strain."""
+
+    def observe(draws: Draws, element: str) -> float:
+        F = np.diag([1.02, 0.97, 1.01]) + 0.1 * np.array([random_vector(draws) for _ in range(3)])
+        return measure(random_model(draws, element, STRAIGHT), random_rotation(draws) @ F)
+
+    return observe
 
 
 def zero_modes(bent: bool) -> Observe:
@@ -221,7 +227,9 @@ def load_orders(index: int) -> Observe:
 
 
 def _scene(draws: Draws, element: str) -> Scene:
-    return random_loads(draws, random_rod(draws, element, SOLVED), LOAD)
+    # Few elements where an iteration is dear: the statements hold on any mesh.
+    allowed = replace(SOLVED, elements=(4,)) if ELEMENTS[element].quadratic_section else SOLVED
+    return random_loads(draws, random_rod(draws, element, allowed), LOAD)
 
 
 def turned(draws: Draws, element: str) -> float:

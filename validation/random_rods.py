@@ -19,6 +19,8 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.elements import ELEMENTS
+from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
@@ -27,6 +29,7 @@ from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
+LAWS = ("saint-venant-kirchhoff", "neo-hookean", "mooney-rivlin")
 SHAPES = ("circle", "annulus", "ellipse", "rectangle", "polygon", "angle")
 # Section quadrature of curved rods is exact to 1e-12 up to this curvature x radius (section_energy.py).
 LARGEST_CURVATURE = 0.1
@@ -113,15 +116,29 @@ def random_section(draws: Draws, size: float, shape: str | None = None) -> Secti
     )
 
 
+def random_law(draws: Draws, law: str, poisson_ratio: float) -> Law:
+    """Material of any stiffness and density with the given Poisson ratio at small strain."""
+    young, density = 10.0 ** draws.number(4.0, 11.0), draws.number(500.0, 8000.0)
+    if law == "saint-venant-kirchhoff":
+        return SaintVenantKirchhoff(young, poisson_ratio, density)
+    if law == "neo-hookean":
+        return NeoHookean(young, poisson_ratio, density)
+    # mu = 2 (c10 + c01) = E/(2 (1 + nu)), K = E/(3 (1 - 2 nu)): interface.md, Scene file
+    half_shear, share = young / (4.0 * (1.0 + poisson_ratio)), draws.number(0.0, 1.0)
+    bulk = young / (3.0 * (1.0 - 2.0 * poisson_ratio))
+    return MooneyRivlin(share * half_shear, (1.0 - share) * half_shear, bulk, density)
+
+
 @dataclass(frozen=True)
 class RodRange:
-    """What a random rod may be."""
+    """What a random rod may be; an element that knows no drawn formulation takes its own."""
 
     elements: tuple[int, ...] = (1, 2, 3, 5)
     slenderness: tuple[float, float] = (8.0, 150.0)  # L / R
     poisson_ratio: tuple[float, float] = (-0.5, 0.4999)
     curved: tuple[bool, ...] = (False, True)
     shapes: tuple[str, ...] = SHAPES
+    laws: tuple[str, ...] = LAWS
     formulations: tuple[str, ...] = ("enhanced", "continuum")
     rules: tuple[str | int, ...] = ("default", "full", 4)
     supports: tuple[str, ...] = ("clamp",)
@@ -141,21 +158,20 @@ def random_rod(draws: Draws, element: str, allowed: RodRange | None = None) -> R
     if draws.choice(allowed.curved):
         most = min(LARGEST_TURN * count / length, LARGEST_CURVATURE / section.outer_radius)
         curvature = random_vector(draws, most / np.sqrt(3.0))
-    factors = (
-        (draws.number(0.6, 1.0), draws.number(0.6, 1.0))
-        if draws.choice(allowed.shear_factors)
-        else (1.0, 1.0)
-    )
+    formulation = draws.choice(allowed.formulations)
+    if formulation not in ELEMENTS[element].formulations:
+        formulation = ELEMENTS[element].formulations[0]
+    factors = (1.0, 1.0)
+    if formulation == "enhanced" and draws.choice(allowed.shear_factors):
+        factors = (draws.number(0.6, 1.0), draws.number(0.6, 1.0))
     return Rod(
         name="rod",
         length=length,
         elements=count,
         section=section,
-        material=SaintVenantKirchhoff(
-            10.0 ** draws.number(4.0, 11.0), draws.number(*allowed.poisson_ratio), draws.number(500.0, 8000.0)
-        ),
+        material=random_law(draws, draws.choice(allowed.laws), draws.number(*allowed.poisson_ratio)),
         element=element,
-        formulation=draws.choice(allowed.formulations),
+        formulation=formulation,
         axial_rule=draws.choice(allowed.rules),
         base=Frame(random_vector(draws, 2.0 * length), random_rotation(draws)),
         supports=(Support(0.0, draws.choice(allowed.supports)),),
@@ -185,8 +201,12 @@ def bent_state(model: RodModel, turn: Floats) -> Floats:
 def random_state(draws: Draws, model: RodModel, strain: float = 0.05) -> Floats:
     """Nodal vectors (n_nodes, vectors, 3): bent, twisted, turned, and strained by about `strain`."""
     q = bent_state(model, random_vector(draws, 2.0))
-    h = np.min(model.mesh.h)
-    per_vector = np.array([h ** (1 - sum(order)) for order in model.element.vectors])
+    h, radius = float(np.min(model.mesh.h)), model.rod.section.outer_radius
+    # Second-order section vectors c strain by R c and by R^2 c/h: small enough for both.
+    second = min(radius, h) / radius**2
+    per_vector = np.array(
+        [second if j + k == 2 else h ** (1 - i - j - k) for i, j, k in model.element.vectors]
+    )
     # From a drawn seed: hundreds of single draws would be slow, and could all be zero.
     noise = np.random.default_rng(draws.choice(range(2**16))).uniform(-1.0, 1.0, q.shape)
     return (q + 0.5 * strain * noise * per_vector[:, None]) @ random_rotation(draws).T

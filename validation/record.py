@@ -7,11 +7,13 @@ import math
 import os
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.criteria import Finding, Verdict
-from validation.problems import CaseResult
-from validation.runner import Run
+
+if TYPE_CHECKING:
+    from validation.problems import CaseResult
+    from validation.runner import Run
 
 SCHEMA = 1
 
@@ -30,7 +32,9 @@ def as_dict(run: Run) -> dict[str, Any]:
             "scope": run.scope,
             "reasons": reasons,
             "blocking": run.blocking,
-            "certificate": None,
+            "certificate": run.certificate,
+            "certificate_reasons": run.certificate_reasons,
+            "notices": run.notices,
             "started": run.started,
             "counts": {str(v): verdicts.count(v) for v in Verdict},
             "cases": [case_dict(result) for result in run.cases],
@@ -46,6 +50,20 @@ def as_dict(run: Run) -> dict[str, Any]:
                     "checks": [finding_dict(f) for f in r.findings],
                 }
                 for r in run.convergence
+            ],
+            "reference_checks": [
+                {
+                    "name": r.name,
+                    "truth": r.truth,
+                    "sizes": r.sizes,
+                    "errors": r.errors,
+                    "orders": r.orders,
+                    "promised": r.promised,
+                    "note": r.note,
+                    "verdict": str(r.verdict),
+                    "checks": [finding_dict(f) for f in r.findings],
+                }
+                for r in run.reference_checks
             ],
             "properties": [
                 {

@@ -3,26 +3,44 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import TypeVar
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from validation import convergence, hard_cases, locking, property_runs, work_precision
-from validation.cases import Case, load_cases
-from validation.convergence import StudyResult
+from validation import convergence, digests, hard_cases, locking, property_runs, work_precision
+from validation.cases import CASES, Case, load_cases
+from validation.convergence import Study, StudyResult
 from validation.criteria import Limit, Verdict, judge, overall
+from validation.digests import Roots
+from validation.domain import regimes
 from validation.environment import environment, versions
-from validation.hard_cases import HardResult
+from validation.hard_cases import HardCase, HardResult
+from validation.journal import Journal, revive, run_key
 from validation.locking import LockingPoint, SlendernessRow
 from validation.problems import CaseResult, run_case
 from validation.property_runs import PropertyResult
 from validation.work_precision import FINE_SOLID_ERROR, FLOOR, WorkPoint
 
-Result = TypeVar("Result")
+if TYPE_CHECKING:
+    from validation.reference_checks import CheckResult
+
 Progress = Callable[[str, int, int], None]  # part, done, of how many
 
-PARTS = ("cases", "convergence", "properties", "locking", "slenderness", "hard cases", "work-precision")
+# Part -> the list of `Run` that holds its results.
+FIELDS = {
+    "cases": "cases",
+    "convergence": "convergence",
+    "reference checks": "reference_checks",
+    "properties": "properties",
+    "locking": "locking",
+    "slenderness": "slenderness",
+    "hard cases": "hard_cases",
+    "work-precision": "work",
+}
+PARTS = tuple(FIELDS)
 LOCKING = Limit(
     "EI ratio against its closed form", 1e-4, "-", "linear range, constant curvature: exact in one element"
 )
@@ -30,6 +48,27 @@ SLENDERNESS = Limit(
     "distance from the documented table", 1.0, "2e-4 + 10 %", "two printed digits, another clamp at L/H = 20",
     kind="non-regression",
 )  # fmt: skip
+# Checks that are one number of a study, by name.
+STUDIES = {"locking curve": LOCKING, "slenderness table": SLENDERNESS, "work-precision": FLOOR}
+
+
+@dataclass(frozen=True)
+class Task:
+    """The smallest piece of a run that is kept when the run is interrupted.
+
+    Parameters
+    ----------
+    part, name : where it belongs
+    compute : gives its results
+    kind : type of the results
+    declared : objects of the code that results refer to, by type; they are not stored
+    """
+
+    part: str
+    name: str
+    compute: Callable[[], list[Any]]
+    kind: type
+    declared: Mapping[type, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -41,6 +80,7 @@ class Run:
     expected: list[Case] = field(default_factory=list)
     cases: list[CaseResult] = field(default_factory=list)
     convergence: list[StudyResult] = field(default_factory=list)
+    reference_checks: list[CheckResult] = field(default_factory=list)
     properties: list[PropertyResult] = field(default_factory=list)
     locking: list[LockingPoint] = field(default_factory=list)
     slenderness: list[SlendernessRow] = field(default_factory=list)
@@ -50,6 +90,12 @@ class Run:
     failed_parts: dict[str, str] = field(default_factory=dict)
     parts: tuple[str, ...] = PARTS
     selection: tuple[str, ...] = ()
+    regimes: dict[str, list[dict[str, Any]]] = field(default_factory=dict)  # of solved cases, by id
+    subject: dict[str, str] = field(default_factory=dict)  # digests of ancf/ when the run began
+    configuration: dict[str, str] = field(default_factory=dict)  # of what judges it, cases included
+    certificate: str | None = None  # id of the certificate of this run, or of the shipped one if it holds
+    certificate_reasons: list[str] = field(default_factory=list)  # why there is none
+    notices: list[str] = field(default_factory=list)  # files that were discarded or taken up, by name
     seconds: dict[str, float] = field(default_factory=dict)
     environment: dict[str, str] = field(default_factory=environment)
     versions: dict[str, str] = field(default_factory=versions)
@@ -64,6 +110,7 @@ class Run:
         """Every required verdict by name."""
         found = {f"case {r.case.id}": r.verdict for r in self.cases if r.case.required}
         found |= {f"order {r.study.name} {r.study.element}": r.verdict for r in self.convergence}
+        found |= {f"reference {r.name}": r.verdict for r in self.reference_checks}
         found |= {f"property {r.name}": r.verdict for r in self.properties}
         found |= {f"hard case {r.case.name}": r.verdict for r in self.hard_cases}
         found |= {name: finding.verdict for name, finding in self.study_findings.items()}
@@ -89,16 +136,7 @@ class Run:
         """Required cases of the scope that were not run, and whole parts without a result."""
         done = {result.case.id for result in self.cases}
         missing = [case.id for case in self.expected if case.required and case.id not in done]
-        results = (
-            self.cases,
-            self.convergence,
-            self.properties,
-            self.locking,
-            self.slenderness,
-            self.hard_cases,
-            self.work,
-        )
-        empty = [name for name, found in zip(PARTS, results, strict=True) if name in self.parts and not found]
+        empty = [name for name in self.parts if not getattr(self, FIELDS[name])]
         return missing + [f"part {name}" for name in empty if name != "cases"]
 
     @property
@@ -120,11 +158,18 @@ def select(cases: Iterable[Case], scope: str, wanted: tuple[str, ...] = ()) -> l
     return [case for case in cases if scope == "full" or case.set == "quick"]
 
 
+def all_cases(folder: Path = CASES) -> list[Case]:
+    """Every case of the present code, whatever its scope."""
+    return load_cases(folder)
+
+
 def run(
     scope: str = "quick",
     progress: Progress | None = None,
     wanted: tuple[str, ...] = (),
     parts: tuple[str, ...] = PARTS,
+    folder: Path | None = None,
+    fresh: bool = False,
 ) -> Run:
     """Run the validation.
 
@@ -134,47 +179,124 @@ def run(
     progress : called with the part, how much of it is done and of how many
     wanted : names of single cases; only they are run, and the run is not complete
     parts : which parts to run
+    folder : where the journal of a full run is kept until it is finished; none if None
+    fresh : recompute stored references and discard a journal
     """
-    full = scope == "full"
-    started = time.perf_counter()
+    from reference.cache import open_session
+
     record = Run(scope, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"), parts=parts, selection=wanted)
     if wanted:
         record.parts = parts = ("cases",)
-    report = progress or (lambda part, done, count: None)
-
-    def collect(part: str, results: Iterator[Result], count: int, into: list[Result]) -> None:
-        if part not in parts:
-            return
-        begin = time.perf_counter()
-        report(part, 0, count)
-        try:
-            for done, result in enumerate(results, start=1):
-                into.append(result)
-                report(part, done, max(count, done))
-        except Exception as error:  # one broken part must not hide the others
-            record.failed_parts[part] = f"{type(error).__name__}: {error}"
-        record.seconds[part] = time.perf_counter() - begin
-
-    record.expected = select(load_cases(), scope, wanted) if "cases" in parts else []
-    collect("cases", (run_case(case) for case in record.expected), len(record.expected), record.cases)
-    studies = convergence.studies(full)
-    collect("convergence", convergence.run(full), len(studies), record.convergence)
-    examples, each = (200, 6.0) if full else (20, 1.2)
-    collect("properties", property_runs.run(examples, each), 20, record.properties)
-    collect("locking", iter_list(locking.locking_curve), 30, record.locking)
-    collect("slenderness", iter_list(locking.slenderness_table), 6, record.slenderness)
-    collect("hard cases", hard_cases.run(), len(hard_cases.hard_cases()), record.hard_cases)
-    collect("work-precision", work_points(full), 13, record.work)
-    record.seconds["total"] = time.perf_counter() - started
+    record.expected = select(all_cases(), scope, wanted) if "cases" in parts else []
+    # Taken before anything runs: a file edited meanwhile must not be certified.
+    roots = Roots()
+    record.subject = digests.of_solver(roots)
+    record.configuration = digests.of_judges(roots) | {
+        f"case {case.id}": digests.of_case(case) for case in record.expected if case.required
+    }
+    cache = open_session(fresh)
+    journal = None
+    if folder is not None and scope == "full" and not wanted:
+        key = run_key(record.subject, record.configuration, versions=record.versions, scope=[scope, *parts])
+        journal = Journal(folder, key, fresh)
+        record.notices += journal.notices
+    for part in parts:
+        _collect(record, part, progress or (lambda part, done, count: None), journal)
+    record.seconds["total"] = sum(record.seconds.values())
+    record.notices += cache.warnings
+    used = [event.what for event in cache.events]
+    record.environment["stored references"] = f"{used.count('hit')} used, {used.count('computed')} computed"
+    if journal is not None:
+        journal.remove()
     return record
 
 
-def iter_list(function: Callable[[], list[Result]]) -> Iterator[Result]:
-    """Results of a function that gives a list, computed when the first is asked for."""
-    yield from function()
+def tasks(part: str, scope: str, expected: Iterable[Case]) -> Iterator[Task]:
+    """Tasks of one part, in their order."""
+    full = scope == "full"
+    if part == "cases":
+        for case in expected:
+            yield Task(part, case.id, partial(_one_case, case), CaseResult, {Case: case})
+    elif part == "convergence":
+        for study in convergence.studies(full):
+            name = f"{study.name} {study.element}"
+            yield Task(part, name, partial(_one_study, study), StudyResult, {Study: study})
+    elif part == "reference checks":
+        from validation.reference_checks import CheckResult, checks  # scikit-fem
+
+        for check in checks(full):
+            yield Task(part, check.name, partial(_one_check, check.run), CheckResult)
+    elif part == "properties":
+        examples, each = (200, 6.0) if full else (20, 1.2)
+        yield Task(part, "all", lambda: list(property_runs.run(examples, each)), PropertyResult)
+    elif part == "locking":
+        yield Task(part, "curve", locking.locking_curve, LockingPoint)
+    elif part == "slenderness":
+        yield Task(part, "table", locking.slenderness_table, SlendernessRow)
+    elif part == "hard cases":
+        for case in hard_cases.hard_cases():
+            yield Task(part, case.name, partial(_one_hard_case, case), HardResult, {HardCase: case})
+    elif part == "work-precision":
+        repeats = (20, 3) if full else (7, 2)
+        yield Task(part, "beams", lambda: work_precision.beam_points(repeats[0], full), WorkPoint)
+        yield Task(part, "solid", lambda: work_precision.solid_points(repeats[1], full), WorkPoint)
 
 
-def work_points(full: bool) -> Iterator[WorkPoint]:
-    """Beams first, then the solid; repeats as the scope allows."""
-    yield from work_precision.beam_points(20 if full else 7, full)
-    yield from work_precision.solid_points(3 if full else 2, full)
+def _collect(record: Run, part: str, progress: Progress, journal: Journal | None) -> None:
+    """Run the tasks of a part, or take them from the journal; one broken part must not hide the others."""
+    into, seconds = getattr(record, FIELDS[part]), 0.0
+    begun = time.perf_counter()
+    try:
+        planned = list(tasks(part, record.scope, record.expected))
+        progress(part, 0, len(planned))
+        for done, task in enumerate(planned, start=1):
+            stored = journal.found.get((part, task.name)) if journal is not None else None
+            if stored is not None:
+                into += [revive(task.kind, data, task.declared) for data in stored["results"]]
+                record.regimes.update(stored["regimes"])
+                seconds += stored["seconds"]
+                begun = time.perf_counter()
+            else:
+                results = task.compute()
+                found = {r.case.id: _regimes(r, record) for r in results if isinstance(r, CaseResult)}
+                took = time.perf_counter() - begun
+                begun += took
+                seconds += took
+                into += results
+                record.regimes.update(found)
+                # A crash may have been the machine's: it is tried again by the next run.
+                if journal is not None and all(getattr(r, "outcome", r) is not None for r in results):
+                    journal.add(part, task.name, results, regimes=found, seconds=took)
+            progress(part, done, len(planned))
+    except Exception as error:
+        record.failed_parts[part] = f"{type(error).__name__}: {error}"
+    record.seconds[part] = seconds
+
+
+def _regimes(result: CaseResult, record: Run) -> list[dict[str, Any]]:
+    """Where a case lies in the domain of validity; none if it was not solved."""
+    if result.outcome is None or result.outcome.solution is None:
+        return []
+    try:
+        return regimes(result.outcome.solution)
+    except Exception as error:  # the case stands; only the domain does not grow by it
+        text = f"solved cases are missing from the domain of validity: {type(error).__name__}: {error}"
+        if text not in record.notices:
+            record.notices.append(text)
+        return []
+
+
+def _one_case(case: Case) -> list[CaseResult]:
+    return [run_case(case)]
+
+
+def _one_study(study: Study) -> list[StudyResult]:
+    return [convergence.run_study(study)]
+
+
+def _one_check(run_check: Callable[[], CheckResult]) -> list[CheckResult]:
+    return [run_check()]
+
+
+def _one_hard_case(case: HardCase) -> list[HardResult]:
+    return [hard_cases.run_hard_case(case)]

@@ -71,6 +71,22 @@ def in_si(scene: Mapping[str, Any]) -> dict[str, Any]:
     return copied
 
 
+def young_modulus(material: Mapping[str, Any]) -> float:
+    """Young's modulus [Pa] of a material table at small strain; Mooney-Rivlin: 9 K mu/(3 K + mu)."""
+    if "young_modulus" in material:
+        return float(material["young_modulus"])
+    mu, bulk = 2.0 * (material["c10"] + material["c01"]), material["bulk_modulus"]
+    return float(9.0 * bulk * mu / (3.0 * bulk + mu))
+
+
+def with_poisson_ratio(material: Mapping[str, Any], nu: float) -> dict[str, Any]:
+    """The material at another Poisson ratio: of Mooney-Rivlin the bulk modulus follows, mu stays."""
+    if "c10" in material:
+        mu = 2.0 * (material["c10"] + material["c01"])
+        return {**material, "bulk_modulus": 2.0 * mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))}
+    return {**material, "poisson_ratio": nu}
+
+
 def solve(scene: Mapping[str, Any]) -> Solution:
     """Solve a scene dictionary; raises `NoEquilibrium` when there is none, so that no case "
     "compares half a result."""

@@ -22,6 +22,8 @@ from ancf.mesh import reference_axis
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
 from ancf.solution import Solution
+from reference.root import bracketed_root
+from validation.energy_measures import solid_law
 from validation.kernel_measures import frame_and_gradients
 
 Floats = NDArray[np.float64]
@@ -317,17 +319,20 @@ def section_moment_error(rod: Rod, v: Floats) -> float:
 
 
 def stretch_error(rod: Rod, stretch: float) -> float:
-    """Error of the axial stretch and of the section stretch under P = E A (s^3 - s)/2 with a section free to
-    contract.
+    """Error of axial and lateral stretch under the force of a uniaxial state, sections free to contract.
 
-    Uniaxial Saint Venant-Kirchhoff: S_xx = E (s^2 - 1)/2, nominal P = A s S_xx, lateral s_t^2 = 1 - nu (s^2 -
-    1).
+    The lateral stretch t makes P_yy(diag(s, t, t)) = 0; the force is A P_xx, P = dPsi/dF of the law in
+    `reference/`.
     """
-    nu = rod.material.poisson_ratio
-    P = rod.material.young_modulus * rod.section.area * (stretch**3 - stretch) / 2.0
+    law = solid_law(rod.material)
+
+    def nominal(lateral: float) -> Floats:
+        return law.stress(np.diag([stretch, lateral, lateral]))
+
+    lateral = bracketed_root(lambda t: float(nominal(t)[1, 1]) / rod.material.young_modulus, 0.5, 1.6)
+    P = float(nominal(lateral)[0, 0]) * rod.section.area
     solution = solved(Scene((rod,), forces=(Force(rod.name, 1.0, P * rod.base.rotation[:, 0]),)))
     tip = solution.tip()
-    lateral = float(np.sqrt(1.0 - nu * (stretch**2 - 1.0)))
     axial = float((tip.position - rod.base.position) @ rod.base.rotation[:, 0]) / rod.length
     return max(
         abs(axial - stretch),

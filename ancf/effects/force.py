@@ -1,6 +1,7 @@
 r"""Point force on a material point of a section (paper eq. 19-22), dead or follower.
 
-The point (y, z) of the section at x has r = sum_k phi_k(y, z) d_k(x), so Q = S^T F with S = sum_k phi_k N_k.
+The point (y, z) of the section at x has r = sum_k phi_k(y, z) d_k(x), so Q = S^T F with S = sum_k phi_k N_k;
+on quadratic sections the force is spread over the section (section_energy.force_weights).
 A follower force turns with the section, F = R F_0, dF = dw x F with the spin dw of rotation.py.
 """
 
@@ -13,6 +14,7 @@ from ancf.effects import DeadLoad, Effect
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import hat, section_rotation
 from ancf.scene import Scene
+from ancf.section_energy import force_weights
 
 Floats = NDArray[np.float64]
 
@@ -24,8 +26,8 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     for load in scene.forces:
         model = models[load.rod]
         point = model.section_point(load.at)
-        phi, _, _ = model.element.section_monomials(np.array([load.offset[0]]), np.array([load.offset[1]]))
-        shape = phi[0] @ point.N
+        y, z = (float(value) for value in load.offset)
+        shape = force_weights(model.element, model.rod.section, y, z) @ point.N
         if load.direction == "fixed":
             effects.append(DeadLoad("force", point.dofs[None], np.outer(shape, load.value)[None]))
         else:

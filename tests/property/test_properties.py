@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given, note, settings
 
+from ancf.elements import ELEMENTS
 from tests.strategies import draws, fewer
 from validation.properties import PROPERTIES
+
+
+def quadratic(case) -> bool:
+    """Whether sections are quadratic: rubber by quadrature on twice the unknowns makes solves dear."""
+    return ELEMENTS[case.values[1]].quadratic_section
+
 
 EACH = [
     pytest.param(prop, element, id=f"{prop.name}-{element}")
@@ -13,7 +20,8 @@ EACH = [
     for element in prop.element_names
 ]
 KERNEL = [case for case in EACH if not case.values[0].solves]
-SOLVED = [case for case in EACH if case.values[0].solves]
+SOLVED = [case for case in EACH if case.values[0].solves and not quadratic(case)]
+SOLVED_QUADRATIC = [case for case in EACH if case.values[0].solves and quadratic(case)]
 
 
 @pytest.mark.parametrize(("prop", "element"), KERNEL)
@@ -28,6 +36,15 @@ def test_kernel_property(prop, element, source):
 @settings(max_examples=fewer(2))
 @given(source=draws())
 def test_solution_property(prop, element, source):
+    observed = prop.observe(source, element)
+    note(f"{prop.title}: {observed:.3g} {prop.unit}, bound {prop.bound:g} ({prop.source})")
+    assert observed <= prop.bound
+
+
+@pytest.mark.parametrize(("prop", "element"), SOLVED_QUADRATIC)
+@settings(max_examples=fewer(8))
+@given(source=draws())
+def test_solution_property_of_quadratic_sections(prop, element, source):
     observed = prop.observe(source, element)
     note(f"{prop.title}: {observed:.3g} {prop.unit}, bound {prop.bound:g} ({prop.source})")
     assert observed <= prop.bound

@@ -11,9 +11,11 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from ancf.elements import ELEMENTS
 from ancf.errors import SceneError
 from ancf.scene import Scene
 from ancf.scene_file import scene_from_dict
+from ancf.scene_materials import law_name
 
 QUIET = settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 sizes = st.floats(1e-3, 0.05)
@@ -40,24 +42,43 @@ sections = st.one_of(
         st.lists(st.floats(0.005, 0.02), min_size=3, max_size=9),
     ),
 )
+moduli = st.one_of(st.floats(1e3, 1e11), st.just("0.5 MPa"))
+hooke_constants = {"young_modulus": moduli, "poisson_ratio": st.floats(-0.99, 0.499999)}
+materials = st.one_of(
+    st.fixed_dictionaries(
+        {**hooke_constants, "density": st.floats(1.0, 1e4)},
+        optional={"law": st.sampled_from(["saint-venant-kirchhoff", "neo-hookean"])},
+    ),
+    st.fixed_dictionaries(
+        {
+            "law": st.just("mooney-rivlin"),
+            "c10": moduli,
+            "c01": st.one_of(moduli, st.just(0.0)),
+            "bulk_modulus": moduli,
+            "density": st.floats(1.0, 1e4),
+        }
+    ),
+)
+# 3363 knows only the continuum; the other elements know both formulations.
+elements = st.one_of(
+    st.fixed_dictionaries(
+        {},
+        optional={
+            "element": st.sampled_from(["3333", "3243"]),
+            "formulation": st.sampled_from(["enhanced", "continuum"]),
+        },
+    ),
+    st.fixed_dictionaries({"element": st.just("3363")}, optional={"formulation": st.just("continuum")}),
+)
 rods = st.fixed_dictionaries(
     {
         "length": st.one_of(st.floats(0.1, 10.0), st.just("40 cm")),
         "elements": st.integers(4, 100),
         "section": sections,
-        "material": st.fixed_dictionaries(
-            {
-                "young_modulus": st.one_of(st.floats(1e3, 1e11), st.just("0.5 MPa")),
-                "poisson_ratio": st.floats(-0.99, 0.499999),
-                "density": st.floats(1.0, 1e4),
-            },
-            optional={"law": st.just("saint-venant-kirchhoff")},
-        ),
+        "material": materials,
     },
     optional={
-        "element": st.sampled_from(["3333", "3243"]),
         "axial_rule": st.one_of(st.sampled_from(["default", "full"]), st.integers(1, 10)),
-        "formulation": st.sampled_from(["enhanced", "continuum"]),
         "base": st.fixed_dictionaries(
             {"position": loads},
             # Axes in the half planes x > 0 and y > 0 of one plane are never parallel here.
@@ -74,6 +95,7 @@ rods = st.fixed_dictionaries(
         "curvature": st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3),
     },
 )
+rods = st.builds(lambda rod, element: {**rod, **element}, rods, elements)
 point_load = {"value": loads, "at": fractions}
 directions = st.sampled_from(["fixed", "follower"])
 frames = st.sampled_from(["structure", "body"])
@@ -117,6 +139,20 @@ COMPLETE: dict[str, Any] = {
             "section": {"shape": "annulus", "radius": 0.02, "inner_radius": 0.01},
             "material": {"young_modulus": "1 MPa", "poisson_ratio": 0, "density": 1},
         },
+        {
+            "name": "rubber",
+            "length": 1,
+            "elements": 3,
+            "element": "3363",
+            "section": {"shape": "rectangle", "height_y": 0.02, "width_z": 0.01},
+            "material": {
+                "law": "mooney-rivlin",
+                "c10": "0.1 MPa",
+                "c01": 2e4,
+                "bulk_modulus": 1e8,
+                "density": 1e3,
+            },
+        },
     ],
     "moment": [
         {"rod": "arm", "at": 1.0, "value": [0, 0, "3 N mm"], "frame": "body", "definition": "section"}
@@ -134,7 +170,23 @@ scalars = st.one_of(
     st.sampled_from([0, -1, 0.0, -0.0, 1e300, -1e300, 1e-300, 5e-324, 10**400, 2**63]),
     st.floats(),
     st.text(max_size=12),
-    st.sampled_from(["1 m", "1 kg", "1e400 m", "9^9^9 m", "circle", "pin", "3243", "-1 Pa", "m", "1 1/m"]),
+    st.sampled_from(
+        [
+            "1 m",
+            "1 kg",
+            "1e400 m",
+            "9^9^9 m",
+            "circle",
+            "pin",
+            "3243",
+            "3363",
+            "neo-hookean",
+            "mooney-rivlin",
+            "-1 Pa",
+            "m",
+            "1 1/m",
+        ]
+    ),
     st.dates(),
     st.just(datetime.time(1, 2)),
 )
@@ -198,7 +250,12 @@ def read(data: Any) -> Scene | None:
 def test_valid_scenes_are_read(data: dict[str, Any]):
     result = scene_from_dict(data)
     assert len(result.rods) == len(data["rod"])
-    for rod in result.rods:
+    for rod, table in zip(result.rods, data["rod"], strict=True):
+        default = "continuum" if rod.element == "3363" else "enhanced"  # interface.md, Scene file
+        assert rod.formulation == table.get("formulation", default)
+        assert law_name(rod.material) == table["material"].get("law", "saint-venant-kirchhoff")
+        # mu > 0 and K > 0 in small strain, whatever the law
+        assert rod.material.lame_mu > 0.0 and -1.0 < rod.material.poisson_ratio < 0.5
         np.testing.assert_allclose(rod.base.rotation.T @ rod.base.rotation, np.eye(3), atol=1e-14)
         assert np.linalg.det(rod.base.rotation) > 0.0
 
@@ -208,11 +265,16 @@ def test_valid_scenes_are_read(data: dict[str, Any]):
 @example({**COMPLETE, "rod": [{**COMPLETE["rod"][0], "curvature": [1e308, 1e308, 1e308]}]})
 @example({**COMPLETE, "rod": [{**COMPLETE["rod"][0], "length": 1e20}]})
 @example({**COMPLETE, 3: 4})
+@example({**COMPLETE, "rod": [{**COMPLETE["rod"][2], "formulation": "enhanced"}]})
+@example(
+    {**COMPLETE, "rod": [{**COMPLETE["rod"][2], "material": COMPLETE["rod"][0]["material"] | {"c10": 1}}]}
+)
 @example({**COMPLETE, "moment": [{"value": [1.7e308, 1.7e308, 1.7e308], "frame": "body"}]})
 def test_mutated_scenes_are_read_or_refused(data: dict[str, Any]):
     scene = read(data)
     if scene is not None:
         assert scene.rods
+        assert all(rod.formulation in ELEMENTS[rod.element].formulations for rod in scene.rods)
         for load in (*scene.moments, *scene.forces, *scene.line_loads):
             assert np.isfinite(load.value).all()
             assert load.rod in {rod.name for rod in scene.rods}

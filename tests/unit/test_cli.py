@@ -118,6 +118,34 @@ def test_check_lists_what_would_be_simulated(bent: Path, capsys: pytest.CaptureF
     assert "effects:    elastic, moment" in captured.err
 
 
+def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """A linear section in the continuum locks: (1 - nu)/((1 + nu)(1 - 2 nu)) = 3.793 at nu = .45."""
+    rubber = 'law = "neo-hookean", young_modulus = 1e6, poisson_ratio = 0.45'
+    text = (
+        '[[rod]]\nlength = 0.4\nelements = 2\nelement = "{element}"\nformulation = "continuum"\n'
+        'section = {{ shape = "circle", radius = 0.01 }}\nmaterial = {{ {rubber} }}\n'
+    )
+    scene = tmp_path / "scene.toml"
+    for element, factors in (("3363", []), ("3333", ["3.793"])):
+        scene.write_text(text.format(element=element, rubber=rubber))
+        assert main(["check", str(scene), "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        described = found["rods"]["rod"]
+        assert (described["element"], described["formulation"]) == (element, "continuum")
+        assert described["material"] == {
+            "law": "neo-hookean",
+            "young_modulus": 1e6,
+            "poisson_ratio": 0.45,
+        }
+        assert [factor in text for factor, text in zip(factors, found["warnings"], strict=True)] == [
+            True
+        ] * len(factors)
+        assert main(["check", str(scene)]) == 0
+        shown = capsys.readouterr().err
+        assert f"2 x {element} continuum" in shown and "neo-hookean: young_modulus = 1000000.0" in shown
+        assert ("warning:" in shown) == bool(factors)
+
+
 @pytest.mark.parametrize("command", cli.LATER_COMMANDS)
 def test_later_commands_are_refused(command: str, capsys: pytest.CaptureFixture[str]):
     assert f'"{command}" is not in this version' in refused(capsys, command, "x.toml", "--json")

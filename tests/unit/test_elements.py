@@ -1,6 +1,5 @@
 """Shape functions: nodality, partition of unity, completeness, derivatives."""
 
-from dataclasses import replace
 from math import factorial
 
 import numpy as np
@@ -10,9 +9,9 @@ from ancf.elements import ELEMENTS
 
 # Polynomial degree along x that each director must reproduce: (axis, section vectors). Hermite cubic axis
 # with two
-# slopes and linear section vectors for 3243; three-node Lagrange for 3333 (Nachbagauer, Gruber, Gerstmayr
-# 2013).
-DEGREES = {"3243": (3, 1), "3333": (2, 2)}
+# slopes and linear section vectors for 3243; three-node Lagrange for 3333, 3363
+# (Nachbagauer, Gruber, Gerstmayr 2013).
+DEGREES = {"3243": (3, 1), "3333": (2, 2), "3363": (2, 2)}
 H = 0.37  # m, any length
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
@@ -85,13 +84,7 @@ def test_directors_interpolate_only_their_own_vectors(element):
         assert not N[:, director, foreign].any()
 
 
-# A section of second degree, as element 3363 will have it: the descriptor alone must carry it.
-QUADRATIC = replace(
-    ELEMENTS["3333"], name="quadratic", vectors=(*ELEMENTS["3333"].vectors, (0, 1, 1), (0, 2, 0), (0, 0, 2))
-)
-
-
-@pytest.mark.parametrize("element", [*ELEMENTS.values(), QUADRATIC], ids=lambda e: e.name)
+@every_element
 def test_section_monomials_are_taylor_terms(element):
     """phi = y^j z^k / (j! k!), so that the nodal vector is the derivative itself; slopes by differences."""
     y, z, t = 0.3, -0.7, 1e-6
@@ -115,5 +108,6 @@ def test_default_axial_rules():
     (benchmarks.md, pins).
     """
     assert (ELEMENTS["3333"].axial_points, ELEMENTS["3243"].axial_points) == (2, 3)
+    assert ELEMENTS["3363"].axial_points == 2  # theory.md 3
     assert ELEMENTS["3333"].full_points >= 3
     assert ELEMENTS["3243"].full_points == 5

@@ -129,7 +129,7 @@ def test_force_and_tangent_returns_the_force(name, source):
 @every_element
 def test_elements_of_different_length_have_their_own_stiffness(name):
     """A mark at .37 of three elements makes lengths .37, .315, .315; equal elements share one matrix."""
-    assert len(model(name).elastic.H) == 1
+    assert len(model(name).elastic.section.H) == 1
     uneven = model(name, mark=0.37)
     np.testing.assert_allclose(uneven.mesh.h, [0.37, 0.315, 0.315])
     F = np.diag([1.1, 0.95, 0.97])

@@ -115,7 +115,9 @@ def test_numerical_tangent_option_gives_the_same_matrix(name):
 @given(source=draws(), load_factor=st.floats(0.1, 2.0))
 def test_dead_loads_are_the_gradient_of_the_potential(name, source, load_factor):
     """g = d(U + l V)/dq for gravity, dead forces and dead line loads; order 2 of the differences."""
-    model = Model(random_loads(source, random_rod(source, name, SOLVED), 2.0, DEAD))
+    # A law of degree 4 in q: its differences have a t^2 term and no other. Rubber: test_hyperelastic.py.
+    allowed = replace(SOLVED, laws=("saint-venant-kirchhoff",))
+    model = Model(random_loads(source, random_rod(source, name, allowed), 2.0, DEAD))
     q, dq = random_q(source, model), random_q(source, model) - model.q0
     g = model.residual(q).at(load_factor)
 

@@ -3,12 +3,10 @@
 "Reference study" marks numbers derived in this project with independent code before this module was written.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 import pytest
-from scipy.optimize import root
 
 from reference.solid import (
     SolidProblem,
@@ -22,11 +20,8 @@ from reference.solid import (
 from reference.solid_assembly import SolidAssembly
 from reference.solid_materials import SaintVenantKirchhoff
 from reference.solid_mesh import circular_section, rod_mesh
-from reference.solid_newton import _Newton
-
-LENGTH, RADIUS, YOUNG, NU = 0.4, 0.01, 1e6, 0.3  # the rod of the reference study
-RUBBER = SaintVenantKirchhoff(YOUNG, NU)
-
+from reference.solid_newton import Newton
+from tests.solid_rods import LENGTH, NU, RADIUS, RUBBER, YOUNG, exact_section
 
 # --- start value and predicted stress -----------------------------------------------------------------------
 
@@ -44,7 +39,7 @@ def test_start_value_has_axial_stress_only():
 
 
 def test_predicted_stress_is_that_of_the_next_state_to_second_order():
-    newton = _Newton(bending_problem(theta=0.5, moment=np.array([0, 0, moment(0.3)])), begin=0.0)
+    newton = Newton(bending_problem(theta=0.5, moment=np.array([0, 0, moment(0.3)])), begin=0.0)
     newton.evaluate()
     du, u, F = newton.direction(), newton.u, newton.F
     errors = []
@@ -78,61 +73,9 @@ def gap(theta_over_pi, *args, **kwargs):
     return bent(theta_over_pi, *args, **kwargs).tip_angle(near=theta) / theta - 1
 
 
-@dataclass
-class ExactSection:
-    """Uniform bending of a disc of radius 1, E = 1: `curvature`, mean position `offset` of the section."""
-
-    curvature: float
-    offset: float
-
-
-@cache
-def exact_section(thin_curvature: float, poisson_ratio: float = NU, degree: int = 5) -> ExactSection:
-    """Exact finite-strain bending under the couple I kappa_0: theory of a uniformly bent rod, no mesh.
-
-    x(s, Y) = Rot(kappa s) w(Y) gives F_xx = -kappa w_y beside the section gradient of w. w is polynomial, the
-    section energy is stationary in it, the couple is -int w_y P_xx dA. Degree 7 changes 1e-8.
-    """
-    r, w_r = np.polynomial.legendre.leggauss(8)
-    angle = 2 * np.pi * np.arange(16) / 16
-    radius, weight = (r + 1) / 2, (r + 1) / 4 * w_r * 2 * np.pi / 16
-    y, z = np.outer(radius, np.cos(angle)).ravel(), np.outer(radius, np.sin(angle)).ravel()
-    weight = np.repeat(weight, 16)
-    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    terms = {
-        parity: np.array(
-            [
-                [y**i * z**j, i * y ** max(i - 1, 0) * z**j, j * y**i * z ** max(j - 1, 0)]
-                for i, j in powers
-                if j % 2 == parity
-            ]
-        )
-        for parity in (0, 1)
-    }
-    even, odd = terms[0], terms[1]
-    law = SaintVenantKirchhoff(1.0, poisson_ratio)
-
-    def residual(unknown):
-        kappa, v, w = unknown[0], *np.split(unknown[1:], [len(even)])
-        v, v_y, v_z = np.tensordot(v, even, 1)
-        _, w_y, w_z = np.tensordot(w, odd, 1)
-        F = np.zeros((len(y), 3, 3))
-        F[:, 0, 0] = 1 - kappa * (y + v)
-        F[:, 1, 1], F[:, 1, 2], F[:, 2, 1], F[:, 2, 2] = 1 + v_y, v_z, w_y, 1 + w_z
-        P = weight[:, None, None] * law.stress(F)
-        couple = -P[:, 0, 0] @ (y + v) - np.pi / 4 * thin_curvature
-        in_v = -kappa * even[:, 0] @ P[:, 0, 0] + even[:, 1] @ P[:, 1, 1] + even[:, 2] @ P[:, 1, 2]
-        return np.concatenate([[couple], in_v, odd[:, 1] @ P[:, 2, 1] + odd[:, 2] @ P[:, 2, 2]])
-
-    start = np.concatenate([[thin_curvature], np.zeros(len(even) + len(odd))])
-    solution = root(residual, start, tol=1e-13).x
-    offset = weight @ np.tensordot(solution[1 : 1 + len(even)], even[:, 0], 1) / np.pi
-    return ExactSection(float(solution[0]), float(offset))
-
-
 def exact_gap(theta_over_pi, radius=RADIUS):
     thin = theta_over_pi * np.pi * radius / LENGTH
-    return exact_section(thin).curvature / thin - 1
+    return exact_section(thin, SaintVenantKirchhoff(1.0, NU)).curvature / thin - 1
 
 
 # From the reference study, raw relative tip-angle gap against M L/(E I), error of the mesh included.
@@ -177,7 +120,7 @@ def test_section_error_falls_with_the_core():
 def test_bent_rod_is_an_arc_of_the_exact_length():
     # The mean of the section moves on an arc of radius 1/kappa - offset: the stretch of the exact section.
     theta = bent(1.0).tip_angle(near=np.pi)
-    section = exact_section(np.pi * RADIUS / LENGTH)
+    section = exact_section(np.pi * RADIUS / LENGTH, SaintVenantKirchhoff(1.0, NU))
     stretch = 1 - section.curvature * section.offset
     arc = stretch * LENGTH / theta * np.array([np.sin(theta), 1 - np.cos(theta), 0])
     assert abs(stretch - 1) > 1e-3

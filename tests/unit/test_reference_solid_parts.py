@@ -3,39 +3,28 @@
 "Reference study" marks numbers derived in this project with independent code before this module was written.
 """
 
-from functools import cache
-
 import numpy as np
 import pytest
 from scipy.sparse import bmat, csr_array, random_array
 from scipy.sparse.linalg import spsolve
 
 from reference.solid import SolidProblem, soft_clamp, solve_solid
-from reference.solid_assembly import SolidAssembly, solve_block_tridiagonal
-from reference.solid_couple import couple_force, section_moments, section_rotation
+from reference.solid_assembly import SolidAssembly
+from reference.solid_couple import couple_force, section_moments, section_rotation, section_spin
+from reference.solid_linear import solve_block_tridiagonal
 from reference.solid_materials import SaintVenantKirchhoff
 from reference.solid_mesh import circular_section, rod_mesh
-
-LENGTH, RADIUS, YOUNG, NU = 0.4, 0.01, 1e6, 0.3  # the rod of the reference study
-RUBBER = SaintVenantKirchhoff(YOUNG, NU)
-
-
-def assert_second_order(function, derivative, direction, step, point):
-    """Central differences approach the derivative with an error that falls by four when the step halves."""
-    exact = derivative
-    errors = []
-    for h in (step, step / 2):
-        difference = (function(point + h * direction) - function(point - h * direction)) / (2 * h)
-        errors.append(np.linalg.norm(difference - exact) / np.linalg.norm(exact))
-    assert errors[0] < 1e-2
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
-
-
-def rotation(seed):
-    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    q = q * np.sign(np.diag(r))
-    return q * np.linalg.det(q)
-
+from tests.solid_rods import (
+    LENGTH,
+    NU,
+    RADIUS,
+    RUBBER,
+    YOUNG,
+    assert_second_order,
+    random_displacement,
+    rotation,
+    small_rod,
+)
 
 # --- law ----------------------------------------------------------------------------------------------------
 
@@ -106,23 +95,13 @@ def test_rod_mesh_is_numbered_by_planes():
     np.testing.assert_array_equal(mesh.hexes.doflocs[:, mesh.order].T, mesh.nodes)
     np.testing.assert_allclose(mesh.nodes[mesh.plane(-1), 0], LENGTH)
     np.testing.assert_allclose(mesh.nodes[mesh.section.centre, 1:], 0, atol=1e-18)
-    assert mesh.nodes[mesh.section.rim, 1] == pytest.approx(RADIUS, rel=1e-3)
-    assert mesh.nodes[mesh.section.rim, 2] == pytest.approx(0, abs=1e-17)
+    assert mesh.nodes[mesh.section.rim[0], 1] == pytest.approx(RADIUS, rel=1e-3)
+    assert mesh.nodes[mesh.section.rim[0], 2] == pytest.approx(0, abs=1e-17)
     volume = SolidAssembly(mesh, soft_clamp(mesh)).volume.sum()
     assert volume == pytest.approx(mesh.section.area * LENGTH, rel=1e-13)
 
 
 # --- assembly -----------------------------------------------------------------------------------------------
-
-
-@cache
-def small_rod():
-    mesh = rod_mesh(circular_section(0.1, core=1), 0.3, slices=2)
-    return mesh, SolidAssembly(mesh, np.zeros(mesh.nodes.shape, bool))
-
-
-def random_displacement(mesh, seed=5, size=4e-3):
-    return size * np.random.default_rng(seed).normal(size=mesh.nodes.shape)
 
 
 def internal_force(assembly, u):
@@ -216,6 +195,10 @@ def bent_section(seed=9):
     return x, section_moments(section.nodes, section.mass), rng.normal(size=3)
 
 
+def couple(x, W, moment):
+    return couple_force(section_spin(x, W), moment, np.zeros(3))
+
+
 def test_section_moments_have_no_sum_and_carry_the_second_moment():
     section = circular_section(RADIUS)
     W = section_moments(section.nodes, section.mass)
@@ -226,7 +209,7 @@ def test_section_moments_have_no_sum_and_carry_the_second_moment():
 @pytest.mark.parametrize("seed", [9, 10, 11])
 def test_couple_has_no_resultant_and_the_prescribed_moment(seed):
     x, W, moment = bent_section(seed)
-    force, _ = couple_force(x, W, moment)
+    force, _ = couple(x, W, moment)
     assert np.linalg.norm(force.sum(axis=0)) < 1e-14 * np.abs(force).sum()
     origin = np.array([1.0, 2, 3]) * RADIUS
     total = np.cross(x - origin, force).sum(axis=0)
@@ -236,7 +219,7 @@ def test_couple_has_no_resultant_and_the_prescribed_moment(seed):
 def test_couple_works_on_the_spin_of_the_polar_rotation():
     x, W, moment = bent_section()
     dx = np.random.default_rng(12).normal(size=x.shape)
-    force, _ = couple_force(x, W, moment)
+    force, _ = couple(x, W, moment)
     R = section_rotation(x, W)
 
     def work_angle(y):
@@ -249,8 +232,8 @@ def test_couple_works_on_the_spin_of_the_polar_rotation():
 def test_couple_tangent_is_derivative_of_force():
     x, W, moment = bent_section()
     dx = np.random.default_rng(12).normal(size=x.shape)
-    exact = (couple_force(x, W, moment)[1] @ dx.ravel()).reshape(-1, 3)
-    assert_second_order(lambda y: couple_force(y, W, moment)[0], exact, dx, 0.05 * RADIUS, x)
+    exact = (couple(x, W, moment)[1] @ dx.ravel()).reshape(-1, 3)
+    assert_second_order(lambda y: couple(y, W, moment)[0], exact, dx, 0.05 * RADIUS, x)
 
 
 def test_section_rotation_is_that_of_a_rigid_section():

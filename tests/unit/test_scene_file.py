@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from ancf.errors import SceneError
+from ancf.hyperelastic import MooneyRivlin, NeoHookean
+from ancf.materials import SaintVenantKirchhoff
 from ancf.scene_file import load_scene, scene_from_dict
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle
 
@@ -47,6 +49,14 @@ def section(**keys: Any) -> dict[str, Any]:
 
 def material(**keys: Any) -> dict[str, Any]:
     return rod(material={**ROD["material"], **keys})
+
+
+RUBBER = {"law": "mooney-rivlin", "c10": 1e5, "c01": 2e4, "bulk_modulus": 1e8}
+
+
+def rubber(**keys: Any) -> dict[str, Any]:
+    """A valid Mooney-Rivlin rod with some other constants; None removes a key."""
+    return rod(material={key: value for key, value in {**RUBBER, **keys}.items() if value is not None})
 
 
 def refused(data: Any) -> SceneError:
@@ -130,6 +140,37 @@ def test_sections_are_read(keys: dict[str, Any], expected: object):
     assert scene_from_dict(section(**keys)).rods[0].section == expected
 
 
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({"young_modulus": 1e6, "poisson_ratio": 0.3}, SaintVenantKirchhoff(1e6, 0.3)),
+        ({"law": "neo-hookean", "young_modulus": "1 MPa", "poisson_ratio": 0.45}, NeoHookean(1e6, 0.45)),
+        ({**RUBBER, "density": 1070}, MooneyRivlin(1e5, 2e4, 1e8, 1070.0)),
+        ({**RUBBER, "c10": "0.1 MPa", "c01": 0, "bulk_modulus": "100 MPa"}, MooneyRivlin(1e5, 0.0, 1e8)),
+        ({**RUBBER, "c10": 0.0}, MooneyRivlin(0.0, 2e4, 1e8)),
+    ],
+)
+def test_laws_are_read(keys: dict[str, Any], expected: object):
+    assert scene_from_dict(rod(material=keys)).rods[0].material == expected
+
+
+@pytest.mark.parametrize(
+    ("element", "formulation"), [("3333", "enhanced"), ("3243", "enhanced"), ("3363", "continuum")]
+)
+def test_an_absent_formulation_is_the_element_s_own(element: str, formulation: str):
+    """interface.md: 3363 knows only the continuum."""
+    assert scene_from_dict(rod(element=element)).rods[0].formulation == formulation
+    assert scene_from_dict(rod(element=element, formulation="continuum")).rods[0].formulation == "continuum"
+
+
+def test_a_key_of_another_law_names_that_law():
+    advice = refused(rod(material={"c10": 1e5, "c01": 0.0, "bulk_modulus": 1e8})).message.advice
+    assert 'law = "mooney-rivlin"' in advice
+    message = refused(material(law="mooney-rivlin")).message
+    assert "saint-venant-kirchhoff and neo-hookean" in message.cause
+    assert "give c10, c01, bulk_modulus in place of young_modulus" in message.advice
+
+
 def test_quantities_with_units_equal_numbers():
     text = rod(
         length="40 cm",
@@ -200,10 +241,12 @@ REFUSED = [
     (rod(length="40 kg"), "rod[0].length", "no length", "'kg' measures [mass]"),
     *[(rod(elements=value), "rod[0].elements", "wrong type", "whole number >= 1") for value in (2.0, True, "12", [4])],
     *[(rod(elements=value), "rod[0].elements", "out of range", "from 1 to 1000000") for value in (0, -3, 10**7)],
-    *[(rod(element=value), "rod[0].element", "not in this version", "3333 | 3243") for value in ("3343", "3363", "cable")],
-    (rod(element="3334"), "rod[0].element", "Unknown element '3334'", "none of 3333, 3243"),
+    *[(rod(element=value), "rod[0].element", "not in this version", "3333 | 3243 | 3363") for value in ("3343", "cable")],
+    (rod(element="3334"), "rod[0].element", "Unknown element '3334'", "none of 3333, 3243, 3363"),
     (rod(element=3333), "rod[0].element", "wrong type", "in quotes"),
     (rod(formulation="enhaced"), "rod[0].formulation", "Unknown formulation", "none of enhanced, continuum"),
+    (rod(element="3363", formulation="enhanced"), "rod[0].formulation", "3363 knows no enhanced", "it knows continuum"),
+    (rod(element="3363", shear_factors=[0.9, 1]), "rod[0].shear_factors", "enhanced formulation", 'element = "3363"'),
     (rod(axial_rule=0), "rod[0].axial_rule", "out of range", "from 1 to 10"),
     (rod(axial_rule=11), "rod[0].axial_rule", "out of range", "from 1 to 10"),
     (rod(axial_rule=2.5), "rod[0].axial_rule", "wrong type", "whole number"),
@@ -230,8 +273,22 @@ REFUSED = [
     (section(shape="polygon", points=[[0, 0], [1, 0], [1]]), "rod[0].section.points[2]", "1 entries", "exactly 2"),
     (section(shape="polygon", points=[[0, 0], [1, 0], 7]), "rod[0].section.points[2]", "wrong type", "list of 2"),
     # material
-    *[(material(law=law), "rod[0].material.law", "not in this version", "saint-venant-kirchhoff")
-      for law in ("neo-hookean", "mooney-rivlin")],
+    (material(law="yeoh"), "rod[0].material.law", "Unknown law 'yeoh'", "saint-venant-kirchhoff, neo-hookean, mooney-rivlin"),
+    (material(law="neo-hookean", c10=1e5), "rod[0].material.c10", '"c10" is no constant of neo-hookean', "young_modulus, poisson_ratio"),
+    (material(law="mooney-rivlin"), "rod[0].material.young_modulus", "no constant of mooney-rivlin", "c10, c01, bulk_modulus"),
+    (rubber(poisson_ratio=0.49), "rod[0].material.poisson_ratio", "no constant of mooney-rivlin", "c10, c01, bulk_modulus"),
+    (rod(material={"c10": 1e5, "c01": 0, "bulk_modulus": 1e8}), "rod[0].material.c10", "no constant of saint-venant", "young_modulus"),
+    *[(rubber(**{key: None}), f"rod[0].material.{key}", f'"{key}" is missing', "only") for key in RUBBER if key != "law"],
+    (rod(material={"law": "neo-hookean", "young_modulus": 1e6}), "rod[0].material.poisson_ratio", "missing", "only"),
+    *[(rubber(**{key: -1e3}), f"rod[0].material.{key}", f"{key} of mooney-rivlin is negative", "-1000 Pa") for key in ("c10", "c01")],
+    (rubber(c10=0, c01=0), "rod[0].material.c10", "no shear stiffness", "c10 + c01 = 0"),
+    *[(rubber(bulk_modulus=value), "rod[0].material.bulk_modulus", "out of range", "> 0") for value in (0, -1e6)],
+    (rubber(bulk_modulus=1e19), "rod[0].material.bulk_modulus", "too far apart", "= 4.17e+13, outside 1e-12 to 1e+12"),
+    (rubber(bulk_modulus=1e-9), "rod[0].material.bulk_modulus", "too far apart", "= 4.17e-15"),
+    (rubber(c10=1e31), "rod[0].material.c10", "out of range", "between 1e-30 and 1e30"),
+    (rubber(c01="2 m"), "rod[0].material.c01", "no stress", "'m' measures"),
+    (rubber(c11=1.0), "rod[0].material.c11", "Unknown key", "c10, c01, bulk_modulus, density"),
+    (material(law="neo-hookean", poisson_ratio=0.5), "rod[0].material.poisson_ratio", "out of range", "inside (-1, 0.5)"),
     *[(material(poisson_ratio=nu), "rod[0].material.poisson_ratio", "out of range", "inside (-1, 0.5)")
       for nu in (0.5, -1, 0.7, -1.0)],
     *[(material(young_modulus=value), "rod[0].material.young_modulus", "out of range", "> 0") for value in (0, -1e6)],
@@ -308,6 +365,8 @@ def test_refusals_say_what_where_and_value(data: Any, path: str, what: str, valu
         (scene(momnt=[]), "moment"),
         (scene(solver={"tolerence": 1e-3}), "tolerance"),
         (rod(element="3433"), "3343"),
+        (material(law="neohookean"), "neo-hookean"),
+        (rubber(bulk_module=1e8), "bulk_modulus"),
         (scene(force=[{"value": [0, 0, 1], "rod": "rot"}]), "rod"),
     ],
 )

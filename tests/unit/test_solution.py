@@ -68,16 +68,21 @@ def test_rotation_and_gradients_of_a_rolled_rod(name):
 
 @every_element
 def test_displaced_is_the_position_of_material_points(name):
-    """r = d_0 + y d_1 + z d_2, broadcast; `reference` is the same in the unstressed rod."""
+    """r = sum_k phi_k d_k with phi = 1, y, z, and for 3363 y^2/2, y z, z^2/2; broadcast.
+
+    `reference` is the same in the unstressed rod.
+    """
     solution = solved(Scene((rod(name),), forces=(Force("arm", 1.0, np.array([0.5, -0.3, 0.4]) * EI),)))
     at, y, z = np.array([[0.1], [0.77]]), np.array([0.0, 0.01]), np.array([0.02, -0.01])
     points = solution.displaced(None, at, y, z)
     assert points.shape == (2, 2, 3)
     for i, j in np.ndindex(2, 2):
         pose = solution.pose(None, float(at[i, 0]))
-        np.testing.assert_allclose(
-            points[i, j], pose.position + y[j] * pose.r_y + z[j] * pose.r_z, atol=1e-15
-        )
+        expected = pose.position + y[j] * pose.r_y + z[j] * pose.r_z
+        section = solution.model.rods[0].section_point(float(at[i, 0]))
+        second = (section.N @ solution.q[section.dofs].reshape(-1, 3))[3:]
+        expected += np.array([y[j] ** 2 / 2, y[j] * z[j], z[j] ** 2 / 2])[: len(second)] @ second
+        np.testing.assert_allclose(points[i, j], expected, atol=1e-15)
     reference = solution.reference(None, at, y, z)
     np.testing.assert_allclose(
         reference[1, 1], BASE.position + BASE.rotation @ [0.77, 0.01, -0.01], atol=1e-14

@@ -9,11 +9,14 @@ from ancf.rotation import hat
 from ancf.supports import NodeSupport, support_rows
 from tests.strategies import rotations
 
-KINDS = {
-    "clamp": None,
-    "pin": 3,
-    "free_section_clamp": 6,
-}  # conditions; a clamp fixes all unknowns of the node
+KINDS = ("clamp", "pin", "free_section_clamp")
+
+
+def conditions_of(kind, element):
+    """interface.md: a clamp fixes all unknowns of the node, a free section clamp x of higher vectors."""
+    higher = sum(order[0] == 0 and sum(order) > 1 for order in element.vectors)
+    return {"clamp": 3 * len(element.vectors), "pin": 3, "free_section_clamp": 6 + higher}[kind]
+
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
 
@@ -26,6 +29,7 @@ def support(kind, element, frame=None):
 def motion(element, **vectors):
     """Unknowns (3 n_v,) of a node from its vectors by name."""
     names = {(0, 0, 0): "r", (1, 0, 0): "r_x", (0, 1, 0): "r_y", (0, 0, 1): "r_z"}
+    names |= {(0, 2, 0): "r_yy", (0, 1, 1): "r_yz", (0, 0, 2): "r_zz"}
     return np.concatenate([np.asarray(vectors.get(names[v], np.zeros(3)), float) for v in element.vectors])
 
 
@@ -36,7 +40,7 @@ def test_basis_and_projector(element, kind, frame):
     """B_2 is orthonormal, C B_2 = 0, and P = B_2 B_2^T projects on all motions that C allows."""
     s = support(kind, element, frame)
     nd = 3 * len(element.vectors)
-    conditions = KINDS[kind] or nd
+    conditions = conditions_of(kind, element)
     assert s.rows.shape == (conditions, nd)
     assert s.basis.shape == (nd, nd - conditions)
     np.testing.assert_allclose(s.basis.T @ s.basis, np.eye(nd - conditions), atol=1e-13)
@@ -73,6 +77,18 @@ def test_free_section_clamp_allows_contraction_and_nothing_rigid(element, frame)
         spin = hat(w)
         assert np.abs(s.rows @ motion(element, r_y=spin @ y, r_z=spin @ z)).max() > 0.1
         assert np.abs(s.rows @ motion(element, r=w)).max() > 0.1
+
+
+@given(frame=rotations())
+def test_free_section_clamp_keeps_quadratic_sections_plane(frame):
+    """interface.md: for 3363 also the x-components of the second-order vectors; the others are free."""
+    element = ELEMENTS["3363"]
+    s = support("free_section_clamp", element, frame)
+    x, y, z = frame.T
+    for name in ("r_yy", "r_yz", "r_zz"):
+        held, free = motion(element, **{name: x}), motion(element, **{name: y - 2.0 * z})
+        np.testing.assert_allclose(s.projector @ held, 0.0, atol=1e-14)
+        np.testing.assert_allclose(s.projector @ free, free, atol=1e-14)
 
 
 def test_unknown_kind():

@@ -6,6 +6,20 @@ from validation.criteria import Verdict
 from validation.report.numbers import compact, number, seconds
 from validation.runner import Run
 
+STRESS = (
+    "<b>Axial stress in the middle of a neo-Hookean arm rolled to a half circle, ν = 0.49.</b> Left: the 3-D "
+    "solid. The quadratic section of 3363 shows its stress; the linear section of 3333 cannot follow the "
+    "in-plane field of bending. Differences are against the solid, in units of E."
+)
+RATES = (
+    "<b>What remains between beam and exact answer vanishes with the square of the thickness.</b> Same angle "
+    "and length, three radii; the grey line has the slope of order 2. The order is gated, not only the size."
+)
+OVERLAY = (
+    "<b>Beam over solid.</b> A neo-Hookean arm, L/R = 40, ν = 0.49, under a tip moment: the solid's centre "
+    "line and 16 elements 3363 (marks). Right: distance of the centre lines, 3363 solid, 3333 dashed."
+)
+
 
 def captions(run: Run) -> dict[str, str]:
     """Caption (HTML) by figure."""
@@ -17,6 +31,9 @@ def captions(run: Run) -> dict[str, str]:
         "first, fades with the fourth. Numbers: fitted order.",
         "locking": _locking(run),
         "work": _work(run),
+        "overlay": OVERLAY,
+        "stress": STRESS,
+        "rates": RATES,
         "fig1": "<b>Figure 1.</b> A solved element 3243: at each node the position r and the gradients "
         "r<sub>x</sub>, r<sub>y</sub>, r<sub>z</sub>, in structure coordinates (SCS). 24 nodal coordinates.",
         "fig2": _scenes(run),

@@ -10,7 +10,10 @@ from typing import Any
 from validation.cases import INDEPENDENCE, Case
 from validation.problems import CaseResult
 
-LETTERS = {"closed form": "C", "rod integration": "R", "other code": "O", "identity": "I"}
+LETTERS = {
+    "closed form": "C", "section problem": "S", "3-D solid": "D", "rod integration": "R", "other code": "O",
+    "identity": "I",
+}  # fmt: skip
 LOADS = (
     "tip moment", "follower moment", "torsion", "tip force", "follower force", "axial force",
     "line load", "gravity",
@@ -28,7 +31,9 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
         for name in _combinations(result.case):
             for load in result.case.loads.split(", "):
                 cells.setdefault((name, load), Counter())[letter] += 1
+    named = {name for result in results for name in _combinations(result.case)}
     rows = [f"{e}, {law}" for e in ("3333", "3243") for law in ("enhanced", "continuum")]
+    rows += sorted(named - set(rows))
     loads = [*LOADS, *sorted({load for _, load in cells} - set(LOADS))]
     found = Counter(r.case.reference.independence for r in results)
     checks = Counter()
@@ -47,10 +52,23 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 
 def _cell(counts: Counter[str] | None) -> str:
-    return "" if not counts else " ".join(f"{letter}{counts[letter]}" for letter in "CROI" if counts[letter])
+    return (
+        ""
+        if not counts
+        else " ".join(f"{letter}{counts[letter]}" for letter in LETTERS.values() if counts[letter])
+    )
 
 
 def _combinations(case: Case) -> set[str]:
     """Element and law of a case; several where it has variants."""
+    if case.problem == "ladder":
+        return set()  # references among themselves
     rods = [{**case.rod, **variant} for variant in case.parameters.get("variants", [{}])]
-    return {f"{rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}" for rod in rods}
+    names = set()
+    for rod in rods:
+        element = rod.get("element", "3333")
+        usual = "continuum" if element == "3363" else "enhanced"
+        law = rod.get("material", {}).get("law", "saint-venant-kirchhoff")
+        shown = "" if law == "saint-venant-kirchhoff" else f", {law}"
+        names.add(f"{element}, {rod.get('formulation', usual)}{shown}")
+    return names

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections import Counter
 from collections.abc import Sequence
@@ -21,9 +20,10 @@ from validation.outcome import Row
 from validation.problems import CaseResult
 from validation.property_runs import SEED
 from validation.record import write_text
-from validation.report import figures_paper, figures_studies, numbers
+from validation.report import figures_cross, figures_paper, figures_studies, numbers
 from validation.report.captions import captions
 from validation.report.coverage import coverage
+from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
 from validation.runner import Run
@@ -33,6 +33,7 @@ HERE = Path(__file__).parent
 CONTENTS = (
     ("not-shown", "What this report does not show"),
     ("coverage", "What was compared with what"),
+    ("ladder", "The ladder of truth: section problem, solid, beam"),
     ("cases", "Cases against references"),
     ("convergence", "Order of convergence"),
     ("properties", "Properties on random rods"),
@@ -90,9 +91,9 @@ def render(run: Run) -> str:
 def context(run: Run) -> dict[str, Any]:
     """Everything the template needs."""
     verdict, reasons = run.verdict
-    cards = [_card(result) for result in run.cases]
+    cards = [_card(result) for result in run.cases if not result.case.place]
     references = [c for c in cards if c.case.reference.independence != "own earlier number"]
-    findings = [f for c in cards for f in c.findings]
+    findings = [f for result in run.cases for f in result.findings]
     counts = Counter(f.verdict for f in findings)
     return {
         "run": run,
@@ -107,6 +108,7 @@ def context(run: Run) -> dict[str, Any]:
         "independence": INDEPENDENCE,
         "known": [c for c in cards if c.verdict is Verdict.KNOWN_LIMIT],
         "coverage": coverage(run.cases),
+        "matrices": matrices(run.cases),
         "groups": _groups(references),
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
         "figures": _figures(run),
@@ -141,7 +143,7 @@ def sentence(run: Run) -> str:
 def _card(result: CaseResult) -> Card:
     outcome = result.outcome
     solution = outcome.solution if outcome else None
-    name = _slug(result.case.id)
+    name = slug(result.case.id)
     return Card(
         case=result.case,
         verdict=result.verdict,
@@ -211,7 +213,7 @@ def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:
             "title": found[0].case.family,
             "shows": found[0].case.shows,
             "reference": found[0].case.reference,
-            "slug": _slug(row),
+            "slug": slug(row),
             "results": found,
         }
         for row, found in order.items()
@@ -219,8 +221,12 @@ def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:
 
 
 def _figures(run: Run) -> dict[str, Markup | None]:
+    crossed = any(r.case.place for r in run.cases)
     with styled():
         return {
+            "overlay": figures_cross.overlay() if crossed else None,
+            "stress": figures_cross.stress() if crossed else None,
+            "rates": figures_cross.rates(run.cases),
             "margins": figures_studies.margins(run.cases) if run.cases else None,
             "convergence": figures_studies.convergence(run.convergence) if run.convergence else None,
             "locking": figures_studies.locking(run.locking) if run.locking else None,
@@ -236,8 +242,4 @@ def _anchor(check: str) -> str:
     kind, _, name = check.partition(" ")
     places = {"order": "convergence", "property": "properties", "hard": "hard-cases", "locking": "locking",
               "slenderness": "locking", "work-precision": "work", "part": "environment"}  # fmt: skip
-    return f"case-{_slug(name)}" if kind == "case" else places.get(kind, "")
-
-
-def _slug(name: str) -> str:
-    return re.sub(r"[^a-zA-Z0-9]+", "-", name).strip("-").lower()
+    return f"case-{slug(name)}" if kind == "case" else places.get(kind, "")
