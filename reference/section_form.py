@@ -217,7 +217,7 @@ class SectionForm:
         return (shape[..., None, :] @ nodes)[..., 0, :]
 
     def _project(self, density: Array) -> Array:
-        """L2 projection to the smooth polynomials of every element, at the integration points (n_el, n_qp)."""
+        """L2 projection to the smooth polynomials of every element, at the points (n_el, n_qp)."""
         return (self.projection @ density[..., None])[..., 0]
 
     def _strain_matrix(self, u: Array, e: Array) -> Array:

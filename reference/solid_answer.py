@@ -144,6 +144,7 @@ def _solve(
             formulation="mixed" if law.poisson_ratio > MIXED_ABOVE else "displacement",
             moment=_load(loads, "moment"), force=_load(loads, "force"),
             body_force=_load(loads, "body_force"),
+            start_force=_across(rod, loads) if support == "soft" else np.zeros(3),
         )
     )  # fmt: skip
     if not result.converged:
@@ -180,9 +181,12 @@ def _rod(
 def _slices(
     law: SolidMaterial, section: SectionMesh, length: float, loads: Mapping[str, Sequence[float]]
 ) -> int:
-    """Slices of the coarsest mesh of the axis: h grows as (R/kappa)^(1/2), which keeps the axial error."""
+    """Slices of the coarsest mesh of the axis: h grows as (R/kappa)^(1/2), which keeps the axial error.
+
+    kappa is the root mean square along the rod.
+    """
     _, curvature = _rod(law, section, length, loads)
-    bending = float(np.max(np.linalg.norm(curvature[:, 1:], axis=1)))
+    bending = float(np.sqrt(np.mean(curvature[:, 1:] ** 2) * 2))
     radius = float(np.sqrt(section.area / np.pi))
     needed = SLICES * np.sqrt(bending * length / (np.pi / 2) * length / radius / 40)
     return THIRDS * int(np.ceil(max(needed, SLICES) / THIRDS - 1e-3))
@@ -198,6 +202,13 @@ def _axis(result: SolidResult, stations: int) -> Array:
     """Centre line (stations + 1, 3) [m] at equal distances, where every mesh has a plane."""
     axis = section_states(result).axis
     return axis[:: (len(axis) - 1) // stations]
+
+
+def _across(rod: RodMesh, loads: Mapping[str, Sequence[float]]) -> Array:
+    """Force (3,) [N] that balances the loads across the rod; its axial part is left to the face's support."""
+    volume = rod.section.area * rod.length
+    force = -_load(loads, "force") - volume * _load(loads, "body_force")
+    return force * [0.0, 1.0, 1.0]
 
 
 def _load(loads: Mapping[str, Sequence[float]], name: str) -> Array:

@@ -89,7 +89,7 @@ class Newton:
         self.assembly = SolidAssembly(mesh, problem.fixed)
         self.form = solid_form(problem.formulation, problem.material, self.assembly)
         self.linear = linear_solver(problem.linear_solver, self.assembly.block_starts)
-        self.end = mesh.plane(-1)
+        self.start, self.end = mesh.plane(0), mesh.plane(-1)
         self.W = section_moments(mesh.section.nodes, mesh.section.mass)
         self.share = mesh.section.mass.sum(axis=0) / mesh.section.area
         self.restart(problem, np.zeros(self.assembly.volume.shape))
@@ -147,6 +147,7 @@ class Newton:
         self.K_load = K_couple + K_force
         self.out_of_balance = self.assembly.nodal_volume[:, None] * problem.body_force - Q_int
         self.out_of_balance[self.end] += Q_couple + Q_force
+        self.out_of_balance[self.start] += self.share[:, None] * problem.start_force
         self.right = np.where(problem.fixed, 0.0, self.out_of_balance)
         floor = FORCE_FLOOR * problem.material.young_modulus * mesh.section.area
         self.residual = float(np.linalg.norm(self.right) / max(float(np.linalg.norm(Q_int)), floor))

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-10  # of |Q_int|
 MAX_ITERATIONS = 30
-LOADS = ("moment", "follower_moment", "force", "follower_force", "body_force")
+LOADS = ("moment", "follower_moment", "force", "follower_force", "start_force", "body_force")
 
 
 def _no_load() -> Array:
@@ -45,6 +45,9 @@ class SolidProblem:
         End couple, fixed in space; end couple that turns with R, components in the reference.
     force, follower_force : (3,) [N]
         Even traction of the end face, by its resultant: dead; turning with R.
+    start_force : (3,) [N]
+        Even dead traction of the start face, by its resultant. Opposite to the loads across the rod it takes
+        the shear force off the point supports of `soft_clamp`, under which the solution has no limit.
     body_force : (3,) [N/m^3]
         Density times acceleration of gravity, per reference volume.
     formulation : "displacement" or "mixed"
@@ -70,6 +73,7 @@ class SolidProblem:
     follower_moment: Array = field(default_factory=_no_load)
     force: Array = field(default_factory=_no_load)
     follower_force: Array = field(default_factory=_no_load)
+    start_force: Array = field(default_factory=_no_load)
     body_force: Array = field(default_factory=_no_load)
     formulation: Formulation = "displacement"
     linear_solver: SolverName = "block"

@@ -106,8 +106,8 @@ PROPERTIES: tuple[Property, ...] = (
     Property(
         "energy-integral",
         "The energy is the volume integral of the law, written in F, with the rules of each formulation",
-        1e-6,
-        "relative",
+        1.0,
+        "1e-10, for rubber 1e-6",
         "theory.md 3, 5; degree 8 leaves 2e-8 of rubber (no polynomial) at strains of 0.3",
         example.energy,
     ),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 import ancf
 from ancf.effects import Effect
 from ancf.elements import ELEMENTS
+from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.scene import Force, LineLoad, Moment, Scene
 from validation import kernel_measures as kernel
@@ -101,10 +102,14 @@ def objectivity(draws: Draws, element: str) -> float:
 
 
 def energy(draws: Draws, element: str) -> float:
-    """Gram-form energy against the volume integral, relative."""
+    """Gram-form energy against the volume integral, relative, by what the section rule leaves of the law.
+
+    Saint Venant-Kirchhoff is a polynomial and exact; degree 8 leaves 2e-8 of rubber at strains of 0.3.
+    """
     model = random_model(draws, element)
     q = random_state(draws, model)
-    return abs(model.elastic.energy(kernel.per_element(model, q)) / integrated_energy(model, q) - 1.0)
+    rule = 1e-10 if isinstance(model.rod.material, SaintVenantKirchhoff) else 1e-6
+    return abs(model.elastic.energy(kernel.per_element(model, q)) / integrated_energy(model, q) - 1.0) / rule
 
 
 def elastic_orders(index: int) -> Observe:

@@ -14,6 +14,7 @@ from validation.criteria import Finding, Verdict
 if TYPE_CHECKING:
     from validation.problems import CaseResult
     from validation.runner import Run
+from validation.scenes import formulation_of
 
 SCHEMA = 1
 
@@ -115,7 +116,7 @@ def case_dict(result: CaseResult) -> dict[str, Any]:
         "problem": case.problem,
         "loads": case.loads,
         "element": rod.get("element", "3333"),
-        "formulation": rod.get("formulation", "enhanced"),
+        "formulation": formulation_of(rod),
         "reference": {
             "name": case.reference.name,
             "independence": case.reference.independence,

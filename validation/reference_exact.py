@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.bodies import Body, distorted
 from reference.homogeneous import HomogeneousStretch
 from reference.rivlin import Flexure, Torsion
 from reference.rivlin_compressible import RadialSolution
 from reference.solid_forms import Formulation
 from reference.solid_materials import SolidMaterial
 from reference.solid_mesh import circular_section, rectangular_section, rod_mesh
-from validation.reference_bodies import Body, distorted
 
 Floats = NDArray[np.float64]
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference import homogeneous, invariant_laws, solid_materials
+from reference.bodies import Body, boundary_nodes, distorted, errors, manufactured_load
 from reference.homogeneous import PrincipalStress
 from reference.invariant_laws import InvariantLaw
 from reference.manufactured import WaveMotion
+from reference.oracles import condensed_energy, felupe_assembly, form_language
 from reference.solid_forms import Formulation
 from reference.solid_mesh import circular_section, rectangular_section, rod_mesh
-from validation.reference_bodies import Body, boundary_nodes, distorted, errors, manufactured_load
 from validation.reference_exact import stretched_block
-from validation.reference_oracles import condensed_energy, felupe_assembly, form_language
 
 Law = solid_materials.SaintVenantKirchhoff | solid_materials.NeoHookean | solid_materials.MooneyRivlin
 Measure = Callable[[float], dict[str, float]]

@@ -189,7 +189,7 @@ def applied(solution: Solution) -> tuple[Floats, Floats]:
     for f in scene.forces:
         value = solution.pose(None, f.at).rotation @ f.value if f.direction == "follower" else f.value
         force += value
-        arm = solution.displaced(None, np.array(f.at), f.offset[0], f.offset[1]) - base
+        arm = loaded_point(solution, f.at, f.offset) - base
         moment += np.cross(arm, value)
     for load in scene.line_loads:
         # Three points an element: exact for a dead load, the rule of the program for a follower.
@@ -211,6 +211,19 @@ def applied(solution: Solution) -> tuple[Floats, Floats]:
         force += weight * scene.gravity.acceleration
         moment += np.cross(first, scene.gravity.acceleration)
     return force, moment
+
+
+def loaded_point(solution: Solution, at: float, offset: Floats) -> Floats:
+    """Point (3,) [m] that a force moves: the value at `offset` of the affine map nearest to the section.
+
+    In a linear section that is the material point itself; a quadratic one takes an affine traction.
+    """
+    y, z, weight = solution.scene.rods[0].section.quadrature(8)
+    points = solution.displaced(None, np.full(len(y), at), y, z)
+    affine = np.column_stack([np.ones_like(y), y, z])
+    weighted = affine * weight[:, None]
+    coefficients = np.linalg.solve(weighted.T @ affine, weighted.T @ points)
+    return np.array([1.0, *offset]) @ coefficients
 
 
 def _axial(breaks: Floats, points: int) -> list[tuple[float, float]]:
@@ -262,8 +275,7 @@ def _conjugate(plus_minus: list[Solution], load: Force | Moment) -> Floats:
     """
     plus, minus = plus_minus
     if isinstance(load, Force):
-        y, z = load.offset
-        return plus.displaced(None, np.array(load.at), y, z) - minus.displaced(None, np.array(load.at), y, z)
+        return loaded_point(plus, load.at, load.offset) - loaded_point(minus, load.at, load.offset)
     turn = plus.pose(None, load.at).rotation @ minus.pose(None, load.at).rotation.T
     return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
 

@@ -18,7 +18,7 @@ HEAVY = ("torch", "skfem", "pyvista", "matplotlib", "meshio", "pint")
 # direction")
 ALLOWED = {
     "ancf": {"numpy", "scipy", "array_api_compat"},
-    "reference": {"numpy", "scipy", "skfem", "meshio"},
+    "reference": {"numpy", "scipy", "skfem", "meshio", "felupe"},  # felupe: an optional peer
     "validation": {
         "numpy",
         "scipy",

@@ -6,10 +6,10 @@ Shared are the nodes alone. Shape functions, quadrature, laws and assembly are f
 import numpy as np
 import pytest
 
+from reference.bodies import Body, distorted
+from reference.oracles import felupe_assembly
 from reference.solid_materials import MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 from reference.solid_mesh import circular_section, rectangular_section, rod_mesh
-from validation.reference_bodies import Body, distorted
-from validation.reference_oracles import felupe_assembly
 
 for peer in ("felupe", "tensortrax"):
     pytest.importorskip(peer, reason=f"{peer} is not installed: pip install 'ancf[peers]'")

@@ -105,12 +105,15 @@ def test_one_axial_point_is_not_enough(name):
 @every_element
 @given(source=draws())
 def test_material_and_geometric_parts_are_the_tangent(name, source):
-    """K = B^T H B + N^T S N: the material part alone at the reference, nowhere negative."""
+    """K = B^T H B + N^T S N: the material part alone at the reference, nowhere negative (constant H)."""
     arrays = random_model(source, name)
     e = kernel.per_element(arrays, random_state(source, arrays))
     K_mat = arrays.elastic.material_tangent(arrays.elastic.generalised(e))
     values = np.linalg.eigvalsh(kernel.assembled(arrays, K_mat))
-    assert values[0] > -1e-12 * values[-1]
+    if isinstance(
+        arrays.rod.material, SaintVenantKirchhoff
+    ):  # the H of rubber may be indefinite under strain
+        assert values[0] > -1e-12 * values[-1]
     _, K0 = arrays.elastic.force_and_tangent(arrays.e0)
     same = arrays.elastic.material_tangent(arrays.elastic.v0)
     np.testing.assert_allclose(K0, same, atol=1e-14 * np.abs(same).max())

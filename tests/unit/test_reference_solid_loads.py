@@ -87,7 +87,8 @@ def test_tip_force_has_its_resultant_at_the_area_mean_and_its_tangent_follows():
 def test_newton_direction_solves_the_linearised_balance(load, formulation):
     # the out-of-balance force along the Newton step falls to zero with the square of the step
     mesh = rod_mesh(circular_section(0.1, core=1), 0.3, slices=2)
-    size = {"moment": 1.0, "follower_moment": 1.0, "force": 10.0, "follower_force": 10.0, "body_force": 1e3}
+    size = {"moment": 1.0, "follower_moment": 1.0, "force": 10.0, "follower_force": 10.0, "start_force": 10.0,
+            "body_force": 1e3}  # fmt: skip
     value = size[load] * YOUNG * 1e-4 * np.array([0.3, -1.0, 0.7])
     u = np.where(full_clamp(mesh), 0, random_displacement(mesh, size=2e-3))
     problem = SolidProblem(mesh, RUBBER, full_clamp(mesh), u, formulation=formulation, **{load: value})
@@ -131,6 +132,15 @@ def test_supports_carry_the_weight():
     assert result.converged, result.reason
     weight = problem.body_force * problem.mesh.section.area * LENGTH
     np.testing.assert_allclose(result.reaction_force, -weight, atol=1e-9 * FORCE)
+
+
+def test_a_start_force_takes_the_load_off_the_point_supports_of_a_soft_clamp():
+    force = np.array([0.0, FORCE, 0.0])
+    result = solve_in_steps(rod(slices=6, force=force, start_force=-force), 1)
+    assert result.converged, result.reason
+    assert np.abs(result.reactions[:, 1:]).max() < 1e-8 * FORCE
+    held = solve_in_steps(rod(slices=6, force=force), 1)
+    assert np.abs(held.reactions[:, 1:]).max() > 0.99 * FORCE
 
 
 def test_small_tip_force_bends_the_timoshenko_rod():

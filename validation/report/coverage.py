@@ -9,6 +9,7 @@ from typing import Any
 
 from validation.cases import INDEPENDENCE, Case
 from validation.problems import CaseResult
+from validation.scenes import formulation_of
 
 LETTERS = {
     "closed form": "C", "section problem": "S", "3-D solid": "D", "rod integration": "R", "other code": "O",
@@ -67,8 +68,7 @@ def _combinations(case: Case) -> set[str]:
     names = set()
     for rod in rods:
         element = rod.get("element", "3333")
-        usual = "continuum" if element == "3363" else "enhanced"
         law = rod.get("material", {}).get("law", "saint-venant-kirchhoff")
         shown = "" if law == "saint-venant-kirchhoff" else f", {law}"
-        names.add(f"{element}, {rod.get('formulation', usual)}{shown}")
+        names.add(f"{element}, {formulation_of(rod)}{shown}")
     return names

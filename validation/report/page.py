@@ -27,7 +27,7 @@ from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
 from validation.runner import Run
-from validation.scenes import as_toml
+from validation.scenes import as_toml, formulation_of
 
 HERE = Path(__file__).parent
 CONTENTS = (
@@ -174,10 +174,10 @@ def _data(result: CaseResult) -> str:
     )
     material = rod["material"]
     parts = [
-        f"{rod['elements']} elements {rod.get('element', '3333')}, {rod.get('formulation', 'enhanced')}",
+        f"{rod['elements']} elements {rod.get('element', '3333')}, {formulation_of(rod)}",
         f"L = {rod['length']:g} m",
         section,
-        f"E = {numbers.pascal(material['young_modulus'])}, ν = {_poisson(case, material)}",
+        _law(case, material),
     ]
     if any(rod.get("curvature", ())):
         parts.append(f"stress-free curvature {list(rod['curvature'])} 1/m")
@@ -198,8 +198,18 @@ def _short(case: Case) -> str:
     return f"{rod['elements']} × {rod.get('element', '3333')}{law}{rule}{ratio}"
 
 
-def _poisson(case: Case, material: dict[str, Any]) -> str:
-    return ", ".join(f"{nu:g}" for nu in case.parameters.get("poisson_ratios", [material["poisson_ratio"]]))
+def _law(case: Case, material: dict[str, Any]) -> str:
+    """The law and its constants; nothing is said of Saint Venant-Kirchhoff, the default."""
+    law = material.get("law", "saint-venant-kirchhoff")
+    name = "" if law == "saint-venant-kirchhoff" else f"{law}, "
+    given = [material["poisson_ratio"]] if "poisson_ratio" in material else []
+    ratios = ", ".join(f"{nu:g}" for nu in case.parameters.get("poisson_ratios", given))
+    if "c10" in material:
+        mu = numbers.pascal(2.0 * (material["c10"] + material["c01"]))
+        return f"{name}μ = {mu}, " + (
+            f"ν = {ratios}" if ratios else f"K = {numbers.pascal(material['bulk_modulus'])}"
+        )
+    return f"{name}E = {numbers.pascal(material['young_modulus'])}, ν = {ratios}"
 
 
 def _groups(cards: Sequence[Card]) -> list[dict[str, Any]]:

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from reference import solid_forms, solid_materials
+from reference.bodies import NoEquilibrium, distorted
 from reference.solid_assembly import SolidAssembly
 from reference.solid_mesh import circular_section, rod_mesh
 from validation.criteria import BLOCKING, Verdict
-from validation.reference_bodies import NoEquilibrium, distorted
 from validation.reference_checks import Check, checks
 from validation.reference_measures import rubbers
 
