@@ -32,11 +32,11 @@ def shapes_at(shapes: SectionShapes, points: Array) -> tuple[NDArray[np.int64], 
     nodes = shapes.mesh.doflocs.T[shapes.node_numbers()]  # (n_el, 9, 2)
     n, n_el = len(points), len(nodes)
     target = np.repeat(points[:, None], n_el, axis=1)
-    xi = np.full((n, n_el, 2), 0.5)
+    xi: Array = np.full((n, n_el, 2), 0.5)
     for _ in range(INVERSIONS):  # every point in every quad: a few thousand 2 x 2 systems
         there, slope = _map(nodes, xi)
         step = np.linalg.solve(slope, (target - there)[..., None])[..., 0]
-        xi = np.clip(xi + step, -0.5, 1.5)
+        xi = np.asarray(np.clip(xi + step, -0.5, 1.5), float)
     miss = np.linalg.norm(target - _map(nodes, xi)[0], axis=-1)
     beyond = np.max(np.abs(xi - 0.5), axis=-1) - 0.5
     beyond[miss > OUTSIDE] = np.inf

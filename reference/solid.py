@@ -105,8 +105,9 @@ def soft_clamp(mesh: RodMesh) -> NDArray[np.bool_]:
     """Support of the start face that leaves it free to contract, for bending; returns (n, 3) bool.
 
     u_x = 0 on the face, u_y = u_z = 0 on the axis, u_z = 0 at the rim node on +y. A hollow section has no
-    node on the axis: there u_y = 0 at the rim nodes on +z and -z, which move alike in bending. Not for
-    torsion: three scalars then hold the face in its plane (13 to 21 % too soft, reference study).
+    node on the axis: there u_y = 0 at the rim nodes on +z and -z, which move alike in bending. For bending
+    about z only: about y, the rim node moves along z. Not for torsion: three scalars then hold the face in
+    its plane (13 to 21 % too soft, reference study).
     """
     fixed = np.zeros(mesh.nodes.shape, bool)
     start, section = mesh.plane(0), mesh.section

@@ -27,7 +27,8 @@ def loaded(scene: Mapping[str, Any], load: str, size: float) -> dict[str, Any]:
 
     ``bending``: M = E I theta/L about z with `size` theta in degrees; ``torsion``: M = G J theta/L about x;
     ``bending and torsion``: M = `size` (0.6, 0.5, -0.8) E I/L; ``tip force``: `size` E I/L^2 along y;
-    ``gravity``: `size` times 9.81 m/s2 along -z.
+    ``gravity``: `size` times 9.81 m/s2 along -y. Forces across the rod lie along y, which the
+    solid's soft clamp asks for.
     """
     numbers = stiffness_of(scene)
     if load == "bending":
@@ -39,7 +40,7 @@ def loaded(scene: Mapping[str, Any], load: str, size: float) -> dict[str, Any]:
     elif load == "tip force":
         return in_si(changed(scene, force=[{"value": [0.0, size, 0.0]}]))
     elif load == "gravity":
-        return changed(scene, gravity={"acceleration": [0.0, 0.0, -size * GRAVITY]})
+        return changed(scene, gravity={"acceleration": [0.0, -size * GRAVITY, 0.0]})
     else:
         raise ValueError(f"there is no load family {load!r}")
     return in_si(changed(scene, moment=[{"value": moment}]))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import ancf
 from ancf.effects import moment
+from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, section_rotation
@@ -85,7 +86,10 @@ def patch(case: Case) -> Outcome:
         model = _model(case, variant)
         rod = model.rods[0]
         volume = rod.rod.length * rod.rod.section.area
-        D = rod.rod.material.hooke()
+        material = rod.rod.material
+        if not isinstance(material, SaintVenantKirchhoff):
+            raise TypeError("the exact stress of this patch is D E: Saint Venant-Kirchhoff only")
+        D = material.hooke()
         for F in gradients.values():
             q = _moved(rod, F, np.zeros(3))
             A_o = rod.rod.base.rotation

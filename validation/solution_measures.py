@@ -223,7 +223,7 @@ def loaded_point(solution: Solution, at: float, offset: Floats) -> Floats:
     affine = np.column_stack([np.ones_like(y), y, z])
     weighted = affine * weight[:, None]
     coefficients = np.linalg.solve(weighted.T @ affine, weighted.T @ points)
-    return np.array([1.0, *offset]) @ coefficients
+    return np.asarray(np.array([1.0, *offset]) @ coefficients, float)
 
 
 def _axial(breaks: Floats, points: int) -> list[tuple[float, float]]:

@@ -56,7 +56,7 @@ def test_loads_of_every_family_are_in_si_units():
     pushed = problems_cross.loaded(SCENE, "tip force", 3)
     assert pushed["force"][0]["value"] == pytest.approx([0, 3 * EI / LENGTH**2, 0])
     assert problems_cross.loaded(SCENE, "gravity", 2)["gravity"]["acceleration"] == pytest.approx(
-        [0, 0, -19.62]
+        [0, -19.62, 0]
     )
     with pytest.raises(ValueError, match="load family"):
         problems_cross.loaded(SCENE, "wind", 1)

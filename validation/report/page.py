@@ -251,5 +251,6 @@ def _anchor(check: str) -> str:
     """Where on the page a named check stands."""
     kind, _, name = check.partition(" ")
     places = {"order": "convergence", "property": "properties", "hard": "hard-cases", "locking": "locking",
-              "slenderness": "locking", "work-precision": "work", "part": "environment"}  # fmt: skip
+              "slenderness": "locking", "work-precision": "work", "part": "environment",
+              "reference": "reference-checks"}  # fmt: skip
     return f"case-{slug(name)}" if kind == "case" else places.get(kind, "")
