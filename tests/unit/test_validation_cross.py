@@ -163,3 +163,35 @@ def test_a_matrix_puts_every_quantity_of_every_case_in_its_cell(monkeypatch):
     assert cell is not None
     assert cell.quantity == "tip rotation, 90, section"
     assert math.isfinite(cell.observed or 0.0)
+
+
+def test_the_middle_third_of_the_ladder_is_that_of_the_section_problem(monkeypatch):
+    """Bending with torsion: the turn between the thirds by the section problem itself is met exactly."""
+    from reference.section import bend_and_twist
+    from reference.solid_materials import SaintVenantKirchhoff
+    from reference.solid_mesh import circular_section
+
+    scene = problems_cross.loaded(SCENE, "bending and torsion", 1)
+    moment = scene["moment"][0]["value"]
+    state = bend_and_twist(circular_section(RADIUS, 3), SaintVenantKirchhoff(MODULUS, 0.3), moment)
+    third = state.rotation(2 * LENGTH / 3) @ state.rotation(LENGTH / 3).T
+    exact_answer = answer("section", scene)
+
+    def made_up(source, scene, support="soft"):
+        if source == "section":
+            return exact_answer
+        values = {"third": third, "third_error": 1e-6, "unknowns": 5}
+        return Answer(exact_answer.position, exact_answer.rotation, 1e-6, 1e-6, values=values)
+
+    monkeypatch.setattr(problems_cross, "answer", made_up)
+    limits = (Limit("turn of *", 1e-6, "angle", "t"),)
+    result = run_case(case("ladder", limits, load="bending and torsion", sizes=[1]))
+    observed = {f.quantity: f.observed for f in result.findings}
+    assert observed["turn of middle third by the angle, 1"] == pytest.approx(0.0, abs=1e-9)
+    assert observed["turn of tip by the angle, 1"] == pytest.approx(0.0, abs=1e-9)
+    turned = exp(np.array([0.0, 0.0, 1e-3])) @ third
+    third = turned
+    again = run_case(case("ladder", limits, load="bending and torsion", sizes=[1]))
+    # |M| L/EI = 1.118: the turn of 1e-3 by the whole angle
+    wanted = 1e-3 / np.linalg.norm(problems_cross.BOTH)
+    assert again.findings[1].observed == pytest.approx(wanted, rel=1e-5)
