@@ -86,16 +86,20 @@ class Body:
             if not np.all(np.isfinite(du)):
                 break
             u, step = self._advance(u, du.reshape(u.shape))
-        raise NoEquilibrium(f"residual {right / scale:.1e} after {MAX_ITERATIONS} iterations")
+        raise NoEquilibrium(
+            f"residual {right / scale:.1e}, no equilibrium within {MAX_ITERATIONS} iterations"
+        )
 
     def _advance(self, u: Floats, du: Floats) -> tuple[Floats, float]:
         """Newton step, halved until the law has a value everywhere; returns the state and the step's size."""
+        where = ""
         for _ in range(MAX_HALVINGS):
             F = self.assembly.deformation_gradient(u + du)
-            if not self.form.inadmissible(F):
-                break
+            where = self.form.inadmissible(F)
+            if not where:
+                return u + du, float(np.abs(du).max())
             du = du / 2
-        return u + du, float(np.abs(du).max())
+        raise NoEquilibrium(f"{MAX_HALVINGS} halvings of the step do not cure it: {where}")
 
 
 def boundary_nodes(mesh: RodMesh) -> NDArray[np.int64]:

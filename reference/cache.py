@@ -141,12 +141,18 @@ class Cache:
 
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             return no("corrupted", f"not readable as JSON: {error}")
         if not isinstance(data, dict) or set(data) != KEYS:
             return no("corrupted", "keys are missing or unknown")
+        if not isinstance(data["code"], dict) or not isinstance(data["result"], dict):
+            return no("corrupted", "code or result is no table")
         content = {key: value for key, value in data.items() if key != "checksum"}
-        if data["checksum"] != checksum(content):
+        try:
+            whole = data["checksum"] == checksum(content)
+        except ValueError:
+            return no("corrupted", "it holds a number that is not finite")
+        if not whole:
             return no("corrupted", "its content does not match its checksum")
         if data["schema"] != SCHEMA:
             return no("stale", f"schema {data['schema']}, now {SCHEMA}")

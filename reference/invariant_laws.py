@@ -1,8 +1,8 @@
 """The three laws a second time, in the invariants of C: the truth that checks `solid_materials`.
 
 Symbols: `F` deformation gradient, `I1` = tr C, `I2` = (I1^2 - tr C^2)/2, `J` = det F, `W1` = dPsi/dI1 and so
-on, `P_pk1` first Piola-Kirchhoff stress. Everything is rational or a logarithm in F and holds for complex F:
-the imaginary part at F + i h dF is h times the derivative, to rounding (Squire and Trapp 1998).
+on, `P_pk1` first Piola-Kirchhoff stress. Everything is a power or a logarithm of polynomials in F and holds
+for complex F: the imaginary part at F + i h dF is h times the derivative to rounding (Squire, Trapp 1998).
 """
 
 from __future__ import annotations

@@ -240,7 +240,10 @@ def solve_rod(
     heaviest = at(1.0)
     forces = (heaviest.tip_force, heaviest.body_force, heaviest.line_load)
     force = sum(float(np.linalg.norm(f)) for f in forces)
-    mesh = Collocation(max(FIRST_ELEMENTS, int(0.4 * np.sqrt(force))), base)
+    first = max(FIRST_ELEMENTS, int(0.4 * np.sqrt(force)))
+    if first > MOST_ELEMENTS:
+        raise RodNotSolved(f"a force of {force:.1e} EI/L^2 needs {first} elements, more than {MOST_ELEMENTS}")
+    mesh = Collocation(first, base)
     state, steps, iterations = _continue(mesh, at, first_step)
 
     x = np.minimum(s / L, 1.0)

@@ -18,6 +18,16 @@ from reference.solid_mesh import (
     rectangular_section,
 )
 
+MOST_CELLS = 24  # along the longer side of a rectangle
+
+
+def _rectangle(height_y: float, width_z: float, cells: int) -> SectionMesh:
+    """Rectangle of quads that are about square, `cells` across its shorter side."""
+    short = min(height_y, width_z)
+    n_y, n_z = (min(MOST_CELLS, round(cells * side / short)) for side in (height_y, width_z))
+    return rectangular_section(height_y, width_z, n_y, n_z)
+
+
 LAWS: dict[str, tuple[Callable[..., SolidMaterial], tuple[str, ...]]] = {
     "saint-venant-kirchhoff": (SaintVenantKirchhoff, ("young_modulus", "poisson_ratio")),
     "neo-hookean": (NeoHookean, ("young_modulus", "poisson_ratio")),
@@ -26,7 +36,7 @@ LAWS: dict[str, tuple[Callable[..., SolidMaterial], tuple[str, ...]]] = {
 SECTIONS: dict[str, tuple[Callable[..., SectionMesh], tuple[str, ...]]] = {
     "circle": (circular_section, ("radius",)),
     "annulus": (annular_section, ("radius", "inner_radius")),
-    "rectangle": (rectangular_section, ("height_y", "width_z")),
+    "rectangle": (_rectangle, ("height_y", "width_z")),
     "ellipse": (elliptic_section, ("semi_axis_y", "semi_axis_z")),
 }
 

@@ -216,8 +216,8 @@ def _solve(form: SectionForm, load: SectionLoad, turn: Array | None = None) -> S
     if status is not SectionStatus.CONVERGED:
         message = (
             f"Newton's method reached {point.fraction:.3g} of the load. Either no equilibrium exists beyond "
-            "(the law softens: a largest couple) or the mesh is too coarse: prescribe the curvature or "
-            "refine the section."
+            "(the law softens, or has a largest couple) or the mesh is too coarse: ask for less, prescribe "
+            "the deformation where a force or couple is given, or refine the section."
         )
     elif across > PARALLEL * k_size * couple_size + noise:
         status = SectionStatus.NOT_HELICAL
@@ -230,11 +230,11 @@ def _solve(form: SectionForm, load: SectionLoad, turn: Array | None = None) -> S
 
 def _check_round(section: SectionMesh) -> None:
     mesh = MeshQuad2(np.ascontiguousarray(section.nodes.T), MeshQuad2.from_mesh(section.grid).t)
-    rim = Basis(mesh, ElementQuad2()).get_dofs().all()
-    radii = np.linalg.norm(section.nodes[rim], axis=1)
-    to_rim = np.minimum(np.abs(radii - radii.max()), np.abs(radii - radii.min()))
-    if to_rim.max() > ROUND * radii.max():
+    basis = Basis(mesh, ElementQuad2())
+    edges = [basis.get_dofs(np.array([edge])).all() for edge in mesh.boundary_facets()]
+    radii = np.linalg.norm(section.nodes, axis=1)[np.array(edges)]  # ends and middle of every edge
+    if np.ptp(radii, axis=1).max() > ROUND * radii.max():
         raise ValueError(
-            f"the rim of the section lies between {radii.min():.6g} and {radii.max():.6g} m from its axis; "
+            f"an edge of the section lies between {radii.min():.6g} and {radii.max():.6g} m from its axis; "
             "bending with twist is a screw motion for circles and annuli only."
         )

@@ -28,6 +28,7 @@ from reference.solid_mesh import SectionMesh
 Array = NDArray[np.float64]
 
 STRAINS = 7
+DEPENDENT = 1e-10  # of the largest singular value: polynomials that differ by less are one
 ROUND_OFF = 1e-14  # smallest strain that arithmetic resolves, times 1 + lambda/mu
 
 
@@ -87,11 +88,8 @@ class SectionForm:
         self.Y = self.shapes.coordinates
         y, z = self.shapes.points[..., :1], self.shapes.points[..., 1:]
         self.phi_spin = y * self.phi_z - z * self.phi_y
-        smooth = self._smooth(self.shapes.points)
-        weighted = smooth * self.weights[..., None]
-        mass = smooth.swapaxes(1, 2) @ weighted
-        self.moments = np.linalg.solve(mass, weighted.swapaxes(1, 2))  # values to coefficients of `smooth`
-        self.projection = smooth @ self.moments  # (n_el, n_qp, n_qp)
+        if mixed:
+            self.moments, self.projection = self._projection()
         n, n_el = self.Y.size // 2 * 3, len(self.elements)
         nodal = (3 * self.elements[..., None] + np.arange(3)).reshape(n_el, -1)
         self.local = nodal.shape[1]  # unknowns of an element without those of the bar
@@ -195,7 +193,7 @@ class SectionForm:
             return _stress_field(points, np.zeros(len(points)), F, self.material.stress(F))
         g = self.material.volume_measure(self.deformation_gradient(u, e))[0]
         pressure = self.moments @ self.material.volume_energy(self._project(g))[1][..., None]
-        here = (self._smooth(Y)[:, None] @ pressure[quad])[..., 0]
+        here = (self._smooth(Y, quad)[:, None] @ pressure[quad])[..., 0]
         P = self.material.shape.stress(F) + here[..., None] * self.material.volume_measure(F)[1]
         return _stress_field(points, np.zeros(len(points)), F, P)
 
@@ -206,9 +204,30 @@ class SectionForm:
         values[self.shapes.node_numbers()] = phi @ u[self.elements]
         return values
 
-    def _smooth(self, Y: Array) -> Array:
-        """Polynomials of degree order - 1 at points Y (..., 2), that carry the volume when mixed."""
-        y, z, order = Y[..., :1], Y[..., 1:], self.shapes.order
+    def _projection(self) -> tuple[Array, Array]:
+        """Values at the points to coefficients of `_smooth` (n_el, n_p, n_qp), and to projected values.
+
+        By singular values, because on a thin curved quad the polynomials are nearly dependent.
+        """
+        points = self.shapes.points
+        self.quad_mean = points.mean(axis=1)
+        self.quad_size = np.abs(points - self.quad_mean[:, None]).max(axis=1)
+        smooth = self._smooth(points, np.arange(len(points))[:, None])
+        root = np.sqrt(self.weights)[..., None]
+        left, values, right = np.linalg.svd(root * smooth, full_matrices=False)
+        kept = values > DEPENDENT * values[:, :1]
+        inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
+        moments = (right.swapaxes(1, 2) * inverse[:, None]) @ (root * left).swapaxes(1, 2)
+        left = left * kept[:, None]
+        return moments, (left / root) @ (root * left).swapaxes(1, 2)
+
+    def _smooth(self, Y: Array, quad: NDArray[np.intp]) -> Array:
+        """Polynomials of degree order - 1 at points Y (..., 2) of quads, that carry the volume when mixed.
+
+        Coordinates are counted from the quad's mean point, by its size along y and z.
+        """
+        local, order = (Y - self.quad_mean[quad]) / self.quad_size[quad], self.shapes.order
+        y, z = local[..., :1], local[..., 1:]
         terms = [y**i * z ** (n - i) for n in range(order) for i in range(n + 1)]
         return np.concatenate(terms, axis=-1)
 

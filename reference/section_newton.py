@@ -70,6 +70,7 @@ class SectionPoint:
     residual: float
 
 
+@np.errstate(all="ignore")  # a step out of the law's range gives numbers that are not finite, and is halved
 def solve_section(form: SectionForm, load: SectionLoad) -> SectionPoint:
     """Solve for the full load at once, and by shorter load steps where Newton fails.
 

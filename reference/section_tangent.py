@@ -51,7 +51,7 @@ def coupled_tangent(state: SectionState) -> Array:
 
     Returns (2, 2) [N m^2]: twisting and bending part of the couple of `bend_and_twist` by the twist
     k_x + spin and the curvature, with k parallel to the couple and no axial force throughout. The thin
-    limit is diag(GJ, EI).
+    limit is diag(GJ, EI). Not symmetric at finite strain: the force conjugate to the spin is not M_t.
 
     Raises
     ------

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from reference.solid_cost import SolidTooLarge
 from reference.solid_extract import SectionStates, SectionStress, section_states, section_stress
+from reference.solid_forms import formulation_for
 from reference.solid_guess import bent_rod, clamped, helical_rod, lifted_rod
 from reference.solid_materials import SaintVenantKirchhoff
 from reference.solid_mesh import RodMesh, circular_section, rod_mesh
@@ -56,6 +57,8 @@ def solid_pure_bending(
 ) -> SolidResult:
     """Bend a straight circular Saint Venant-Kirchhoff rod along x by an end couple about z.
 
+    Mixed form near nu = 1/2 (`formulation_for`).
+
     Parameters
     ----------
     length, radius : float
@@ -97,6 +100,7 @@ def solid_pure_bending(
         fixed=soft_clamp(mesh),
         guess=bent_rod(mesh, curvature, poisson_ratio),
         moment=np.array([0.0, 0.0, moment]),
+        formulation=formulation_for(material),
     )
     return solve_solid(problem, begin=begin)
 

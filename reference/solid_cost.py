@@ -6,6 +6,9 @@ Block-tridiagonal LU of `slices` blocks of b = 6 ns unknowns, coupled by one pla
 
 from __future__ import annotations
 
+import math
+import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +27,7 @@ BYTES_PER_ELEMENT = {"displacement": 4.8e5, "mixed": 5.3e5}
 SECONDS_PER_ELEMENT = {"displacement": 5e-4, "mixed": 6e-4}  # one assembly, at PROBE_RATE
 SETUP_PER_ELEMENT = 4e-4
 BLOCK_OVERHEAD = 1.7  # of the block solver over its bare arithmetic, 1.6 to 1.9 measured
+ANNOUNCED = 30.0  # s
 PROBE_RATE = 2e10  # flop/s at which the constants above were measured
 
 
@@ -62,20 +66,25 @@ def check_cost(
     mesh: RodMesh,
     formulation: Formulation,
     *,
+    solutions: int = 1,
     memory_limit: float | None = None,
     seconds_limit: float | None = None,
     report: Callable[[str], None] | None = None,
 ) -> None:
     """Tell the estimate to `report`, and refuse a solution beyond a limit ([byte], [s]).
 
+    Without `report` a long solution is announced on standard error; without `memory_limit` the memory of
+    the machine is the limit.
+
     Raises
     ------
     SolidTooLarge
         With the estimate, the limit and the mesh that causes it.
     """
-    if memory_limit is None and seconds_limit is None and report is None:
-        return
-    cost = estimate(mesh, formulation)
+    cost = estimate(mesh, formulation, solutions * ITERATIONS)
+    memory_limit = machine_memory() if memory_limit is None else memory_limit
+    if report is None and cost.seconds > ANNOUNCED:
+        report = _announce
     text = f"Solid of {mesh.slices} slices with {len(mesh.section.nodes)} nodes a section"
     if report is not None:
         report(f"{text}: {cost}.")
@@ -90,6 +99,18 @@ def check_cost(
             "The cost grows with slices and with the cube of the nodes of a section. "
             "Take fewer slices or a coarser section, or raise the limit."
         )
+
+
+def machine_memory() -> float:
+    """Memory of this machine [byte]; infinite where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, OSError, ValueError):
+        return math.inf
+
+
+def _announce(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
 
 
 @cache

@@ -5,7 +5,7 @@ Symbols: `F` deformation gradient (..., 3, 3) [-], `Psi` energy density [J/m^3],
 purpose: the beam code uses the Green-Lagrange strain, so an error in one is not repeated in the other.
 
 Every law is a sum Psi(F) = Psi_shape(F) + U(g(F)) of a part that stays bounded as nu -> 1/2 and an energy of
-one scalar measure g of the change of volume; a mixed form interpolates g (solid_mixed.py).
+one scalar measure g of the change of volume; a mixed form interpolates g (solid_forms.py).
 """
 
 from __future__ import annotations

@@ -50,11 +50,11 @@ def solve_solid(
     begin : float, optional
         [s, perf_counter]. Starts the clock earlier, so that `seconds` includes the making of the mesh.
     memory_limit : float, optional
-        [byte].
+        [byte]; None: the memory of the machine.
     seconds_limit : float, optional
         [s].
     report : callable, optional
-        Takes the estimated cost as one line before the work starts.
+        Takes the estimated cost as one line before the work starts; None: standard error, where it is long.
 
     Raises
     ------
@@ -107,6 +107,7 @@ class Newton:
         self.residual = np.inf
         self.out_of_balance = np.zeros_like(self.u)
 
+    @np.errstate(all="ignore")  # numbers that are not finite are caught and reported
     def run(self) -> SolidResult:
         """Iterate to an equilibrium or to a reason why there is none."""
         problem = self.problem
@@ -114,7 +115,11 @@ class Newton:
         if where:
             return self.result(SolidStatus.INVERTED_ELEMENT, f"The start value is not admissible: {where}.")
         while True:
-            self.evaluate()
+            try:
+                self.evaluate()
+            except np.linalg.LinAlgError:
+                reason = "The end section is flat or a line: its rotation is not defined."
+                return self.result(SolidStatus.NOT_FINITE, reason)
             at = f"residual {self.residual:.1e} after {self.iterations} iterations"
             if not np.isfinite(self.residual):
                 return self.result(SolidStatus.NOT_FINITE, f"The nodal forces are not finite; {at}.")

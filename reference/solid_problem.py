@@ -51,9 +51,9 @@ class SolidProblem:
     body_force : (3,) [N/m^3]
         Density times acceleration of gravity, per reference volume.
     formulation : "displacement" or "mixed"
-        Mixed for nu above about 0.45.
-    linear_solver : "block", "pardiso" or "auto"
-        See `solid_linear`.
+        `solid_forms.formulation_for` chooses: displacements lock near nu = 1/2.
+    linear_solver : "auto", "block" or "pardiso"
+        Block-tridiagonal LU, or PARDISO where pypardiso is installed (`solid_linear`).
     tolerance : float
         Of the residual, by |Q_int|.
     max_iterations : int
@@ -76,7 +76,7 @@ class SolidProblem:
     start_force: Array = field(default_factory=_no_load)
     body_force: Array = field(default_factory=_no_load)
     formulation: Formulation = "displacement"
-    linear_solver: SolverName = "block"
+    linear_solver: SolverName = "auto"
     tolerance: float = TOLERANCE
     max_iterations: int = MAX_ITERATIONS
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.solid_cost import check_cost
 from reference.solid_newton import Newton
 from reference.solid_problem import SolidProblem, SolidResult
 
@@ -19,7 +21,15 @@ EASY = 6
 SMALLEST_STEP = 1 / 512
 
 
-def solve_in_steps(problem: SolidProblem, steps: int = 4, *, begin: float | None = None) -> SolidResult:
+def solve_in_steps(
+    problem: SolidProblem,
+    steps: int = 4,
+    *,
+    begin: float | None = None,
+    memory_limit: float | None = None,
+    seconds_limit: float | None = None,
+    report: Callable[[str], None] | None = None,
+) -> SolidResult:
     """Raise all loads together from zero, halving a step that fails.
 
     Parameters
@@ -28,8 +38,8 @@ def solve_in_steps(problem: SolidProblem, steps: int = 4, *, begin: float | None
         Its guess is the unloaded shape, usually zeros.
     steps : int
         Number of equal steps to begin with.
-    begin : float, optional
-        [s, perf_counter]. As in `solve_solid`.
+    begin, memory_limit, seconds_limit, report
+        As in `solve_solid`; the estimate is for `steps` solutions.
 
     Returns
     -------
@@ -43,6 +53,14 @@ def solve_in_steps(problem: SolidProblem, steps: int = 4, *, begin: float | None
     """
     if steps < 1:
         raise ValueError(f"steps is {steps}; at least 1 is needed.")
+    check_cost(
+        problem.mesh,
+        problem.formulation,
+        solutions=steps,
+        memory_limit=memory_limit,
+        seconds_limit=seconds_limit,
+        report=report,
+    )
     newton = Newton(problem, perf_counter() if begin is None else begin)
     factors, shapes = [0.0], [problem.guess.astype(float)]
     step, iterations, p = 1 / steps, 0, newton.p

@@ -111,6 +111,25 @@ class Case:
         """First rod of the scene."""
         return self.scene["rod"][0]
 
+    @property
+    def combinations(self) -> set[tuple[str, str, str]]:
+        """Element, formulation and law; several where the parameters vary them."""
+        rods = [{**self.rod, **variant} for variant in self.parameters.get("variants", [{}])]
+        return {
+            (
+                rod.get("element", "3333"),
+                formulation_of(rod),
+                rod.get("material", {}).get("law", "saint-venant-kirchhoff"),
+            )
+            for rod in rods
+        }
+
+
+def formulation_of(rod: Mapping[str, Any]) -> str:
+    """Formulation of a rod table; an element with a quadratic section knows only the continuum."""
+    usual = "continuum" if rod.get("element") == "3363" else "enhanced"
+    return rod.get("formulation", usual)
+
 
 def load_cases(folder: Path = CASES) -> list[Case]:
     """Read every family in a folder, in the order of the file names.

@@ -24,6 +24,7 @@ from validation.criteria import Verdict
 from validation.digests import Roots, differences
 from validation.domain import KEY, domain_of, outside
 from validation.evidence import evidence_of, limit_faults, lists_of, unmeasured, verdict_of
+from validation.regime import ACCURATE
 
 if TYPE_CHECKING:
     from ancf.scene import Scene
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 STATEMENT = "https://in-toto.io/Statement/v1"
 PREDICATE = "https://in-toto.io/attestation/test-result/v0.1"
 SHIPPED = Path(__file__).parent / "certificate.json"
-CERTIFIED = (Verdict.PASS, Verdict.WARN)  # cases that make the domain; a known limit does not
+CERTIFIED = {str(Verdict.PASS), str(Verdict.WARN)}  # of the cases that make the domain
 
 
 class NotValidated(Exception):
@@ -170,6 +171,9 @@ def verify(path: Path | None = None, roots: Roots | None = None) -> Verification
         reasons = faults(certificate.statement, all_cases(roots.cases), roots)
     except (ValueError, CaseError) as error:
         return Verification(path, None, [str(error)])
+    except ModuleNotFoundError as error:
+        need = f"{error.name} is needed to judge it again: pip install 'ancf[reference]'"
+        return Verification(path, None, [need])
     except (KeyError, TypeError, AttributeError) as error:
         return Verification(path, None, [f"it is not complete: {type(error).__name__} {error}"])
     return Verification(path, certificate, reasons)
@@ -210,9 +214,8 @@ def faults(statement: Mapping[str, Any], cases: Iterable[Case], roots: Roots) ->
         reasons.append("nothing was run")
     expected = expected_checks(cases)
     reasons += _judged_again(predicate, expected)
-    # A check that only some machines can make may be there besides; it adds nothing to the domain.
-    known = {name: entry for name, entry in evidence.items() if name in expected}
-    if predicate["domain"] != json.loads(json.dumps(_domain(known))):
+    reasons += _regime_faults(evidence, cases)
+    if predicate["domain"] != json.loads(json.dumps(_domain(evidence))):
         reasons.append("the domain of validity is not the one of the cases that passed")
     return reasons
 
@@ -234,9 +237,30 @@ def _judged_again(predicate: Mapping[str, Any], expected: Mapping[str, Expectati
     return reasons + [f"{name} is {verdicts[name]}" for name in sorted(failed)]
 
 
+def _regime_faults(evidence: Mapping[str, Mapping[str, Any]], cases: Iterable[Case]) -> list[str]:
+    """Checks that speak for the domain and may not, or for other rods than their case has."""
+    speaking = {f"case {case.id}": case for case in cases if case.problem in ACCURATE}
+    faults = []
+    for name, entry in evidence.items():
+        regimes = entry.get("regimes", [])
+        if regimes and name not in speaking:
+            faults.append(f"{name} does not measure accuracy, but speaks for the domain of validity")
+        elif any(
+            (regime["element"], regime["formulation"], regime["law"]) not in speaking[name].combinations
+            for regime in regimes
+        ):
+            faults.append(f"{name} speaks for rods that are not in that case")
+    return faults
+
+
 def _domain(evidence: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
-    passed = [entry for entry in evidence.values() if Verdict(entry["verdict"]) in CERTIFIED]
-    return domain_of(regime for entry in passed for regime in entry.get("regimes", []))
+    """Domain of the cases that passed in every finding; a documented miss makes none."""
+    return domain_of(
+        regime
+        for entry in evidence.values()
+        if {entry["verdict"], *(finding["verdict"] for finding in entry["findings"])} <= CERTIFIED
+        for regime in entry.get("regimes", [])
+    )
 
 
 def _descriptors(found: Mapping[str, str]) -> list[dict[str, Any]]:

@@ -112,6 +112,11 @@ def judge(limit: Limit, quantity: str, observed: float, reference_error: float =
     return finding(Verdict.PASS)
 
 
+def largest(*values: float) -> float:
+    """The largest value; infinite when there is none or one is no number, which Python's max forgets."""
+    return max((math.inf if math.isnan(value) else float(value) for value in values), default=math.inf)
+
+
 def worst(verdicts: Iterable[Verdict]) -> Verdict:
     """The worst verdict; nothing checked is a failure."""
     found = set(verdicts)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +23,8 @@ LIMIT_CONTENT = ("quantity", "value", "unit", "kind", "documented", "spread")
 class Roots:
     """Where the three packages lie that a certificate speaks about."""
 
-    ancf: Path = PACKAGE.parent / "ancf"
-    reference: Path = PACKAGE.parent / "reference"
+    ancf: Path = field(default_factory=lambda: _home("ancf"))
+    reference: Path = field(default_factory=lambda: _home("reference"))
     validation: Path = PACKAGE
 
     @property
@@ -54,8 +55,16 @@ def of_judges(roots: Roots) -> dict[str, str]:
     Stored results (reference/solved) are numbers that the digested code gives again; cases are digested by
     content, so that a better title changes nothing.
     """
-    reference = _files(roots.reference, "reference", ("solved",))
-    return {**reference, **_files(roots.validation, "validation", ("cases", "certificate.json", *SHOWING))}
+
+    def stored(inside: Path) -> bool:
+        return inside.parts[0] == "solved" and inside.suffix == ".json"
+
+    def shown(inside: Path) -> bool:
+        case = inside.parts[0] == "cases" and inside.suffix == ".toml"
+        return case or inside.parts[0] in SHOWING or inside.as_posix() == "certificate.json"
+
+    reference = _files(roots.reference, "reference", stored)
+    return {**reference, **_files(roots.validation, "validation", shown)}
 
 
 def of_case(case: Case) -> str:
@@ -74,14 +83,27 @@ def differences(then: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
     return found + [f"{name} is missing" for name in sorted(then.keys() - now.keys())]
 
 
-def _files(folder: Path, name: str, without: tuple[str, ...] = ()) -> dict[str, str]:
-    """Digest of every file below a folder, byte by byte; without compiled files and the names given."""
+def _files(folder: Path, name: str, ignored: Callable[[Path], bool] = lambda inside: False) -> dict[str, str]:
+    """Digest of every file below a folder, byte by byte; a link by where it leads.
+
+    Compiled files are left out: Python makes them anew from the source, unless somebody forges them.
+    """
     found = {}
     for path in sorted(folder.rglob("*")):
         inside = path.relative_to(folder)
-        if path.is_file() and "__pycache__" not in inside.parts and inside.parts[0] not in without:
+        if "__pycache__" in inside.parts or ignored(inside):
+            continue
+        if path.is_symlink():
+            found[f"{name}/{inside.as_posix()}"] = sha256(f"link to {path.resolve()}".encode())
+        elif path.is_file():
             found[f"{name}/{inside.as_posix()}"] = sha256(path.read_bytes())
     return found
+
+
+def _home(package: str) -> Path:
+    """Folder from which a package is really imported."""
+    spec = importlib.util.find_spec(package)
+    return Path(spec.origin).parent if spec is not None and spec.origin else PACKAGE.parent / package
 
 
 def _plain(value: Any) -> Any:

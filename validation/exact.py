@@ -16,15 +16,17 @@ from numpy.typing import NDArray
 
 import ancf
 from reference.cache import session
-from reference.rod import solve_rod
+from reference.rod import RodNotSolved, solve_rod
 from reference.rod_inputs import constants_of
 from reference.section_answer import NoAnswer, section_answer
+from reference.solid import SolidTooLarge
 from reference.solid_answer import solid_answer
 from validation.scenes import reference_rod
 
 Floats = NDArray[np.float64]
 
 SOURCES = ("section", "solid", "rod")
+DIGITS = 12  # of the inputs of a stored answer
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def answer(source: str, scene: Mapping[str, Any], support: str = "soft") -> Answ
     """
     try:
         return {"section": _section, "solid": _solid, "rod": _rod}[source](scene, support)
-    except NoAnswer as error:
+    except (NoAnswer, RodNotSolved, SolidTooLarge) as error:
         return Answer(np.full(3, np.nan), np.full((3, 3), np.nan), math.inf, math.inf, str(error))
 
 
@@ -71,6 +73,7 @@ def _solid(scene: Mapping[str, Any], support: str) -> Answer:
 
 
 def _stored(kind: str, compute: Callable[..., dict[str, Any]], inputs: Mapping[str, Any]) -> Answer:
+    inputs = _rounded(inputs)
     found = session().get(kind, inputs, lambda: compute(**inputs))
     return Answer(
         np.array(found["position"]),
@@ -95,6 +98,15 @@ def _rod_numbers(scene: Mapping[str, Any]) -> dict[str, Any]:
         "section": constants_of(rod["section"], "shape"),
         "length": float(rod["length"]),
     }
+
+
+def _rounded(values: Any) -> Any:
+    """Numbers to `DIGITS`: the last bits of a load belong to the machine, and must not change its key."""
+    if isinstance(values, Mapping):
+        return {name: _rounded(value) for name, value in values.items()}
+    if isinstance(values, list):
+        return [_rounded(value) for value in values]
+    return float(f"{values:.{DIGITS}g}") if isinstance(values, float) else values
 
 
 def _loads(scene: Mapping[str, Any]) -> dict[str, list[float]]:

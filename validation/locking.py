@@ -8,6 +8,7 @@ import numpy as np
 
 from reference import analytic
 from reference.rod import RodLoads, RodProperties, solve_rod
+from validation.criteria import largest
 from validation.scenes import bending_angle, solve
 
 POISSON = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.48, 0.49, 0.495, 0.499)
@@ -77,7 +78,7 @@ class SlendernessRow:
         """Largest distance from a documented number, over 2e-4 + 10 % of it (two printed "
         "digits, another clamp)."""
         pairs = zip(self.errors, self.documented, strict=False)
-        return max(abs(e - d) / (2e-4 + 0.1 * abs(d)) for e, d in pairs if d is not None)
+        return largest(*(abs(e - d) / (2e-4 + 0.1 * abs(d)) for e, d in pairs if d is not None))
 
 
 def slenderness_table() -> list[SlendernessRow]:

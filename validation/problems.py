@@ -7,7 +7,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from validation import problems_cross, problems_force, problems_identity, problems_moment, problems_newton
+from validation import (
+    problems_cross,
+    problems_force,
+    problems_identity,
+    problems_moment,
+    problems_newton,
+    problems_stress,
+)
 from validation.cases import Case
 from validation.criteria import Finding, Limit, Verdict, judge, worst
 from validation.outcome import Outcome
@@ -32,6 +39,7 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "cross-check": problems_cross.cross_check,
     "gap rate": problems_cross.gap_rate,
     "ladder": problems_cross.ladder,
+    "section stress": problems_stress.section_stress,
 }
 
 

@@ -12,6 +12,7 @@ from reference.homogeneous import principal_mooney_rivlin, principal_neo_hookean
 from reference.homogeneous import uniaxial as homogeneous_uniaxial
 from reference.rod import solve_rod
 from validation.cases import Case
+from validation.criteria import largest
 from validation.outcome import Outcome, Row
 from validation.scenes import (
     bending_angle,
@@ -38,7 +39,7 @@ def elastica(case: Case) -> Outcome:
         u, w = 1.0 - tip.position[0] / numbers.length, tip.position[1] / numbers.length
         theta = bending_angle(tip.rotation, exact.angle)
         name = f"worst of u/L, w/L, theta at P L2/EI = {load:g}"
-        observed[name] = max(abs(u - exact.u), abs(w - exact.w), abs(theta - exact.angle))
+        observed[name] = largest(abs(u - exact.u), abs(w - exact.w), abs(theta - exact.angle))
         label = f"P L2/EI = {load:g}"
         rows += [
             Row(f"{label}: u/L", float(u), exact.u, "-"),
@@ -129,7 +130,7 @@ def uniaxial(case: Case) -> Outcome:
             tip = solution.tip()
             axial, lateral = tip.position[0] / numbers.length, float(np.linalg.norm(tip.r_y))
             label = f"F/EA = {share:g}, nu = {nu:g}"
-            observed[f"stretch, {label}"] = max(
+            observed[f"stretch, {label}"] = largest(
                 abs(axial / exact.axial - 1.0), abs(lateral / exact.lateral - 1.0)
             )
             rows += [
@@ -153,7 +154,7 @@ def rubber_stretch(case: Case) -> Outcome:
         solution = solve(scene)
         tip = solution.tip()
         axial, lateral = tip.position[0] / case.rod["length"], float(np.linalg.norm(tip.r_y))
-        observed[f"stretch, {name}"] = max(abs(axial / wanted[0] - 1.0), abs(lateral / wanted[1] - 1.0))
+        observed[f"stretch, {name}"] = largest(abs(axial / wanted[0] - 1.0), abs(lateral / wanted[1] - 1.0))
         rows += [
             Row(f"{name}: axial stretch", float(axial), wanted[0], "-"),
             Row(f"{name}: lateral stretch", lateral, wanted[1], "-"),

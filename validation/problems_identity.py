@@ -17,6 +17,7 @@ from ancf.rod_model import RodModel
 from ancf.rotation import exp, section_rotation
 from ancf.section_energy import local_gradient, strain_matrix
 from validation.cases import Case
+from validation.criteria import largest
 from validation.outcome import Outcome, Row
 from validation.scenes import Stiffness, changed, in_si, solve, stiffness_of
 
@@ -61,12 +62,13 @@ def rigid_motion(case: Case) -> Outcome:
         numbers = Stiffness.of(rod.rod)
         for turn in TURNS:
             q = _moved(rod, exp(turn), np.array([0.3, -0.2, 0.5]) * numbers.length)
-            strain = max(strain, float(np.max(np.abs(_strain(rod, q)))))
+            strain = largest(strain, float(np.max(np.abs(_strain(rod, q)))))
             Q = model.residual(q).Q_int * model.unit / (numbers.EA * numbers.length)
-            force = max(force, float(np.max(np.abs(Q))))
+            force = largest(force, float(np.max(np.abs(Q))))
         far = np.array([1e6, 0.0, 0.0])
         bound = 10.0 * EPS * 1e6 / float(np.min(rod.mesh.h))
-        strain_far = max(strain_far, float(np.max(np.abs(_strain(rod, _moved(rod, np.eye(3), far))))) / bound)
+        far_here = float(np.max(np.abs(_strain(rod, _moved(rod, np.eye(3), far)))))
+        strain_far = largest(strain_far, far_here / bound)
     observed = {"strain": strain, "force/(E A)": force, "strain, coordinates 1e6 m away": strain_far}
     rows = [Row("largest strain", strain, 0.0, "-"), Row("largest force/(E A)", force, 0.0, "-")]
     return Outcome(
@@ -110,7 +112,7 @@ def patch(case: Case) -> Outcome:
                 "power of the nodal forces": np.max(np.abs(power - volume * P)) / (volume * scale),
                 "force on inner nodes": np.max(np.abs(inner)) / (rod.rod.section.area * scale),
             }
-            worst = {name: max(worst[name], float(found[name])) for name in worst}
+            worst = {name: largest(worst[name], float(found[name])) for name in worst}
     rows = [Row(f"worst deviation: {name}", value, 0.0, "-") for name, value in worst.items()]
     count = len(gradients) * len(case.parameters["variants"])
     return Outcome(worst, rows, notes=[f"{count} combinations of rod and deformation"])
@@ -127,7 +129,7 @@ def moment_identities(case: Case) -> Outcome:
                 model = Model(ancf.scene_from_dict(changed(case.scene, variant, moment=[load])))
                 for e in _random_sections(model, rng):
                     for name, value in _identities(model, e, rng).items():
-                        worst[name] = max(worst[name], value)
+                        worst[name] = largest(worst[name], value)
     return Outcome(worst, [Row(f"worst deviation: {name}", value, 0.0, "-") for name, value in worst.items()])
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from reference import analytic
 from validation.cases import Case
+from validation.criteria import largest
 from validation.outcome import Outcome, Row
 from validation.scenes import (
     bending_angle,
@@ -44,7 +45,7 @@ def helix(case: Case) -> Outcome:
     observed = {
         "tip position": float(np.linalg.norm(position - exact.position[0]) / numbers.length),
         "tip r_y, r_z": float(
-            max(np.linalg.norm(tip.r_y - sections[:, 1]), np.linalg.norm(tip.r_z - sections[:, 2]))
+            largest(np.linalg.norm(tip.r_y - sections[:, 1]), np.linalg.norm(tip.r_z - sections[:, 2]))
         ),
     }
     if load.direction == "fixed":

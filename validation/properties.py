@@ -25,10 +25,9 @@ class Property:
     """A statement with its bound; `observe` measures one example on a rod of the given element.
 
     name: identifier; title: the statement; bound and unit of the observed value; source: where the statement
-    and the
-    bound come from; solves: whether an example solves scenes (tens of milliseconds instead of a few);
-    elements: names
-    of the elements it is promised for, empty for all.
+    and the bound come from; solves: whether an example solves scenes (tens of milliseconds instead of a few);
+    elements: names of the elements it is promised for, empty for all; cost: by how much an example is dearer
+    than others of its kind, and its number smaller.
     """
 
     name: str
@@ -39,6 +38,7 @@ class Property:
     observe: Callable[[Draws, str], float]
     solves: bool = False
     elements: tuple[str, ...] = ()
+    cost: int = 1
 
     @property
     def element_names(self) -> tuple[str, ...]:
@@ -279,6 +279,7 @@ PROPERTIES: tuple[Property, ...] = (
         "paper eq. 38-41; Newton's tolerance and condition",
         example.on_scene(solution.difference_tangent_dependence),
         True,
+        cost=10,
     ),
     Property(
         "zero-effects",

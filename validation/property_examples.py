@@ -22,6 +22,7 @@ from ancf.model import Model
 from ancf.scene import Force, LineLoad, Moment, Scene
 from validation import kernel_measures as kernel
 from validation import solution_measures as solution
+from validation.criteria import largest
 from validation.energy_measures import integrated_energy
 from validation.random_rods import (
     Draws,
@@ -137,7 +138,7 @@ def mixed_tangent(draws: Draws, element: str) -> float:
     model = random_model(draws, element)
     q, q_previous = random_state(draws, model), random_state(draws, model)
     same = kernel.mixed_tangent_difference(model, q)
-    return max(same, kernel.mixed_prediction_error(model, q, q_previous))
+    return largest(same, kernel.mixed_prediction_error(model, q, q_previous))
 
 
 def patch(measure: Callable[..., float]) -> Observe:
@@ -193,7 +194,7 @@ def moment_identities(draws: Draws, element: str) -> float:
         M = kernel.polar_rotation(point, e) @ moment.value if direction == "follower" else moment.value
     w = 0.5 * (sides[0] + sides[1])
     power = abs(np.sum(Q * dq.ravel()) - M @ w) / (np.linalg.norm(M) * np.linalg.norm(w))
-    return max(kernel.moment_resultant(Q.reshape(q.shape), q, M), float(power))
+    return largest(kernel.moment_resultant(Q.reshape(q.shape), q, M), float(power))
 
 
 def _loads(model_of: Model, q: Floats) -> list[tuple[Effect, Floats]]:
@@ -222,7 +223,7 @@ def load_orders(index: int) -> Observe:
             kernel.load_orders(effect, e, de)[index]
             for (effect, e), (_, de) in zip(_loads(model, q), _loads(model, change), strict=True)
         ]
-        return max(worst)
+        return largest(*worst)
 
     return observe
 
@@ -307,7 +308,7 @@ def supports(draws: Draws, element: str) -> float:
     scene = replace(scene, solver=replace(scene.solver, predictor=draws.choice(("auto", "none"))))
     found = solution.solved(scene)
     moved = (found.q - found.model.q0) / found.model.unit
-    return max(float(np.max(np.abs(s.rows @ moved[s.dofs]))) for s in found.model.supports)
+    return largest(*(float(np.max(np.abs(s.rows @ moved[s.dofs]))) for s in found.model.supports))
 
 
 def resumed(draws: Draws, element: str) -> float:

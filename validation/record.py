@@ -14,7 +14,7 @@ from validation.criteria import Finding, Verdict
 if TYPE_CHECKING:
     from validation.problems import CaseResult
     from validation.runner import Run
-from validation.scenes import formulation_of
+from validation.cases import formulation_of
 
 SCHEMA = 1
 

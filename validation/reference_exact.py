@@ -16,6 +16,7 @@ from reference.rivlin_compressible import RadialSolution
 from reference.solid_forms import Formulation
 from reference.solid_materials import SolidMaterial
 from reference.solid_mesh import circular_section, rectangular_section, rod_mesh
+from validation.criteria import largest
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +88,7 @@ def bent_block(
         radii = float(exact.radius[0]), float(exact.radius[-1])
     return {
         "couple": abs(moment / exact.moment - 1),
-        "radii": max(abs(inner / radii[0] - 1), abs(outer / radii[1] - 1)),
+        "radii": largest(abs(inner / radii[0] - 1), abs(outer / radii[1] - 1)),
     }
 
 

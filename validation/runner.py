@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 from validation import convergence, digests, hard_cases, locking, property_runs, work_precision
 from validation.cases import CASES, Case, load_cases
 from validation.convergence import Study, StudyResult
-from validation.criteria import Limit, Verdict, judge, overall
+from validation.criteria import Limit, Verdict, judge, largest, overall
 from validation.digests import Roots
-from validation.domain import regimes
 from validation.environment import environment, versions
 from validation.hard_cases import HardCase, HardResult
 from validation.journal import Journal, revive, run_key
 from validation.locking import LockingPoint, SlendernessRow
 from validation.problems import CaseResult, run_case
 from validation.property_runs import PropertyResult
+from validation.regime import ACCURATE, regimes
 from validation.work_precision import FINE_SOLID_ERROR, FLOOR, WorkPoint
 
 if TYPE_CHECKING:
@@ -121,10 +121,10 @@ class Run:
         """Checks of the studies that are one number each."""
         found = {}
         if self.locking:
-            worst = max(abs(p.ratio / p.exact - 1.0) for p in self.locking)
+            worst = largest(*(abs(p.ratio / p.exact - 1.0) for p in self.locking))
             found["locking curve"] = judge(LOCKING, LOCKING.quantity, worst)
         if self.slenderness:
-            worst = max(row.disagreement for row in self.slenderness)
+            worst = largest(*(row.disagreement for row in self.slenderness))
             found["slenderness table"] = judge(SLENDERNESS, SLENDERNESS.quantity, worst)
         beams = [p for p in self.work if p.model == "3333"]
         if beams:
@@ -227,8 +227,8 @@ def tasks(part: str, scope: str, expected: Iterable[Case]) -> Iterator[Task]:
         for check in checks(full):
             yield Task(part, check.name, partial(_one_check, check.run), CheckResult)
     elif part == "properties":
-        examples, each = (200, 6.0) if full else (20, 1.2)
-        yield Task(part, "all", lambda: list(property_runs.run(examples, each)), PropertyResult)
+        counts = (150, 30) if full else (20, 5)
+        yield Task(part, "all", lambda: list(property_runs.run(*counts)), PropertyResult)
     elif part == "locking":
         yield Task(part, "curve", locking.locking_curve, LockingPoint)
     elif part == "slenderness":
@@ -274,8 +274,8 @@ def _collect(record: Run, part: str, progress: Progress, journal: Journal | None
 
 
 def _regimes(result: CaseResult, record: Run) -> list[dict[str, Any]]:
-    """Where a case lies in the domain of validity; none if it was not solved."""
-    if result.outcome is None or result.outcome.solution is None:
+    """Where a case lies in the domain of validity; nowhere if it was not solved or measured no accuracy."""
+    if result.case.problem not in ACCURATE or result.outcome is None or result.outcome.solution is None:
         return []
     try:
         return regimes(result.outcome.solution)

@@ -71,12 +71,6 @@ def in_si(scene: Mapping[str, Any]) -> dict[str, Any]:
     return copied
 
 
-def formulation_of(rod: Mapping[str, Any]) -> str:
-    """Formulation of a rod table; an element with a quadratic section knows only the continuum."""
-    usual = "continuum" if rod.get("element") == "3363" else "enhanced"
-    return rod.get("formulation", usual)
-
-
 def young_modulus(material: Mapping[str, Any]) -> float:
     """Young's modulus [Pa] of a material table at small strain; Mooney-Rivlin: 9 K mu/(3 K + mu)."""
     if "young_modulus" in material:

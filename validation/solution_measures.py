@@ -23,6 +23,7 @@ from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Supp
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
 from ancf.solution import Solution
 from reference.root import bracketed_root
+from validation.criteria import largest
 from validation.energy_measures import solid_law
 from validation.kernel_measures import frame_and_gradients
 
@@ -54,7 +55,7 @@ def shape(solution: Solution, reverse: bool = False) -> tuple[Floats, Floats]:
 
 def difference(a: tuple[Floats, Floats], b: tuple[Floats, Floats]) -> float:
     """Largest difference of two shapes: positions in L, gradients as they are."""
-    return max(float(np.max(np.abs(x - y))) for x, y in zip(a, b, strict=True))
+    return largest(*(float(np.max(np.abs(x - y))) for x, y in zip(a, b, strict=True)))
 
 
 def bending_stiffness(rod: Rod) -> float:
@@ -242,7 +243,7 @@ def imbalance(scene: Scene) -> float:
     force, moment = applied(solution)
     reaction_force, reaction_moment = solution.reaction()
     unit = bending_stiffness(rod) / rod.length**2
-    worst = max(
+    worst = largest(
         float(np.max(np.abs(force + reaction_force))) / max(float(np.linalg.norm(force)), unit),
         float(np.max(np.abs(moment + reaction_moment)))
         / max(float(np.linalg.norm(moment)), unit * rod.length),
@@ -346,7 +347,7 @@ def stretch_error(rod: Rod, stretch: float) -> float:
     solution = solved(Scene((rod,), forces=(Force(rod.name, 1.0, P * rod.base.rotation[:, 0]),)))
     tip = solution.tip()
     axial = float((tip.position - rod.base.position) @ rod.base.rotation[:, 0]) / rod.length
-    return max(
+    return largest(
         abs(axial - stretch),
         abs(float(np.linalg.norm(tip.r_y)) - lateral),
         abs(float(np.linalg.norm(tip.r_z)) - lateral),

@@ -90,7 +90,18 @@ def damage_inputs(data):
     data["inputs"]["radius"] = 0.02
 
 
-@pytest.mark.parametrize("damage", [damage_value, damage_inputs, lambda data: data.pop("code")])
+def damage_code(data):
+    data["code"] = ["section"]
+    data["checksum"] = checksum({key: value for key, value in data.items() if key != "checksum"})
+
+
+def damage_number(data):
+    data["result"]["moment"] = float("nan")
+
+
+@pytest.mark.parametrize(
+    "damage", [damage_value, damage_inputs, lambda data: data.pop("code"), damage_code, damage_number]
+)
 def test_an_edited_file_is_named_and_computed_again(make, tmp_path, damage):
     make().get("section", INPUTS, Solver())
     path = only_file(tmp_path)
@@ -104,7 +115,9 @@ def test_an_edited_file_is_named_and_computed_again(make, tmp_path, damage):
     assert make().get("section", INPUTS, solver) and solver.calls == 1  # and it was mended
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff\xfe", b"null", b'{"schema": 1}'])
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b"[]", b"\xff\xfe", b"null", b'{"schema": 1}', b"[" * 100_000], ids=range(7)
+)
 def test_a_truncated_file_is_named_and_computed_again(make, tmp_path, content):
     make().get("section", INPUTS, Solver())
     only_file(tmp_path).write_bytes(content)

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from reference.bending import BendingSection, pure_bending_moment
 from reference.rotation import exp, log
 from reference.section import SectionStatus, bend, bend_and_twist, extend, stiffness, twist
+from reference.section_form import SectionForm
 from reference.solid import solid_pure_bending
 from reference.solid_couple import section_moments, section_rotation
 from reference.solid_materials import MooneyRivlin, NeoHookean, SaintVenantKirchhoff
@@ -303,5 +304,26 @@ def test_refusals() -> None:
         bend_and_twist(CIRCLE, SVK, [1.0, np.inf, 0.0])
     with pytest.raises(ValueError, match="circles and annuli only"):
         bend_and_twist(rectangular_section(R, R), SVK, [0.1, 0.0, 0.1])
+    with pytest.raises(ValueError, match="circles and annuli only"):  # corners and mid-sides: two radii
+        bend_and_twist(rectangular_section(R, R, 1), SVK, [0.1, 0.0, 0.1])
     with pytest.raises(ValueError, match="order is 1"):
         bend(CIRCLE, SVK, curvature=1.0, order=1)
+
+
+@pytest.mark.parametrize("mixed", [True, False])
+def test_thin_walls_and_slender_sections_are_no_trouble_for_the_projection(mixed):
+    """Monomials of the whole section are dependent on a wall of R/100 (condition 6e19): M = E I kappa."""
+    wall = bend(annular_section(R, 0.99 * R, 8), NeoHookean(1e6, 0.49), curvature=1e-4, mixed=mixed)
+    assert wall.couple[2] == pytest.approx(1e6 * np.pi * R**4 * (1 - 0.99**4) / 4 * 1e-4, rel=1e-4)
+    strip = bend(rectangular_section(R, 20 * R, 2, 40), NeoHookean(1e6, 0.49), curvature=1e-4, mixed=mixed)
+    assert strip.couple[2] == pytest.approx(1e6 * 20 * R**4 / 12 * 1e-4, rel=1e-3)
+
+
+def test_the_projection_is_one():
+    """Pi Pi = Pi, and polynomials of its degree are left as they are."""
+    form = SectionForm(annular_section(R, 0.9 * R, 4), NeoHookean(1e6, 0.49), True, 4)
+    Pi = form.projection
+    np.testing.assert_allclose(Pi @ Pi, Pi, atol=1e-9)
+    y, z = form.shapes.points[..., 0], form.shapes.points[..., 1]
+    cubic = 1.0 + y - 2 * z**2 + y * z**2
+    np.testing.assert_allclose((Pi @ cubic[..., None])[..., 0], cubic, atol=1e-8)

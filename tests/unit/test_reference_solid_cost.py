@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from reference import solid_linear
+from reference import solid_cost, solid_linear
 from reference.solid import SolidProblem, SolidTooLarge, bent_rod, soft_clamp, solve_solid
 from reference.solid_cost import check_cost, estimate
 from reference.solid_linear import BlockSolver, linear_solver
@@ -45,13 +45,28 @@ def test_estimated_memory_is_right_within_a_factor_of_two():
         assert measured / 2 < estimate(mesh, formulation).bytes / 1e9 < 2 * measured
 
 
-def test_cost_is_told_before_the_work_and_only_when_asked():
+def test_cost_is_told_before_the_work_when_asked():
     lines = []
     result = solve_solid(problem(), report=lines.append)
     assert result.converged
     assert len(lines) == 1
     assert lines[0].startswith("Solid of 4 slices with 25 nodes a section: 675 unknowns, about 0.")
     check_cost(problem().mesh, "displacement")  # silent by default
+
+
+def test_a_long_solution_is_announced_without_being_asked(monkeypatch, capsys):
+    mesh = problem().mesh
+    check_cost(mesh, "displacement")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(solid_cost, "ANNOUNCED", 0.0)
+    check_cost(mesh, "displacement", solutions=4)
+    assert "Solid of 4 slices" in capsys.readouterr().err
+
+
+def test_the_memory_of_the_machine_is_the_limit_where_none_is_given(monkeypatch):
+    monkeypatch.setattr(solid_cost, "machine_memory", lambda: 1e6)
+    with pytest.raises(SolidTooLarge, match="GB > 0.001 GB"):
+        check_cost(problem().mesh, "displacement")
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,18 @@ def test_a_rule_of_lower_degree_gives_the_same_moments(section, degree):
         assert np.sum(w * y**p * z**q) == pytest.approx(fine, rel=1e-10, abs=1e-12 * section.area)
 
 
+@pytest.mark.parametrize("section", [Circle(1.0), Annulus(1.0, 0.6), Ellipse(2.0, 1.0), Rectangle(2.0, 1.0)])
+@pytest.mark.parametrize("degree", [2, 4, 7, 8, 16])
+def test_the_rule_has_the_mirrors_of_the_section(section, degree):
+    """Else a rod of rubber leaves the plane of its load: by 5e-8 L with nine angles on a circle."""
+    rule = np.column_stack(section.quadrature(degree))
+    turned = rule[:, [1, 0, 2]] * [-1, 1, 1]
+    quarter = [turned] if isinstance(section, Circle | Annulus) else []
+    for image in [rule * [-1, 1, 1], rule * [1, -1, 1], *quarter]:
+        gaps = np.abs(image[:, None] - rule).max(axis=2)
+        assert gaps.min(axis=1).max() < 1e-14
+
+
 @given(sections())
 def test_points_weights_and_outline_belong_together(section):
     _, _, w = section.quadrature(4)

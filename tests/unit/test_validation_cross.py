@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from reference.cache import Cache
+from reference.rod import RodNotSolved
 from reference.rotation import exp
 from reference.section_answer import NoAnswer, section_answer
+from reference.solid import SolidTooLarge
 from validation import exact, problems_cross
 from validation.cases import Case, Reference
-from validation.criteria import Limit
+from validation.criteria import Limit, Verdict
 from validation.exact import Answer, answer
 from validation.problems import run_case
 from validation.report.matrix import matrices
@@ -42,6 +44,25 @@ def case(problem: str = "cross-check", limits=ANY, **parameters) -> Case:
         {"load": "bending", "sizes": [90], "against": ["section"], **parameters},
         Reference("r", "section problem", "s"), limits, place={"element": "3333"},
     )  # fmt: skip
+
+
+def test_a_bit_of_the_load_does_not_change_the_key():
+    """0.02372501057954172 and ...725 once were two solids, of half a minute each."""
+    store = exact.session()
+    for bit in (1.0, 1.0 + 2e-16):
+        answer("section", problems_cross.loaded({"rod": [{**ROD, "length": LENGTH * bit}]}, "torsion", 90))
+    assert len(list(store.folder.glob("*.json"))) == 1
+
+
+@pytest.mark.parametrize("error", [NoAnswer("a"), RodNotSolved("b"), SolidTooLarge("c")])
+def test_whatever_a_reference_fails_of_its_cases_are_inconclusive(monkeypatch, error):
+    def fails(**inputs):
+        raise error
+
+    monkeypatch.setattr(exact, "section_answer", fails)
+    result = run_case(case())
+    assert result.verdict is Verdict.INCONCLUSIVE
+    assert str(error) in result.outcome.notes[0]
 
 
 def test_loads_of_every_family_are_in_si_units():

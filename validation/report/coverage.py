@@ -9,7 +9,6 @@ from typing import Any
 
 from validation.cases import INDEPENDENCE, Case
 from validation.problems import CaseResult
-from validation.scenes import formulation_of
 
 LETTERS = {
     "closed form": "C", "section problem": "S", "3-D solid": "D", "rod integration": "R", "other code": "O",
@@ -64,11 +63,7 @@ def _combinations(case: Case) -> set[str]:
     """Element and law of a case; several where it has variants."""
     if case.problem == "ladder":
         return set()  # references among themselves
-    rods = [{**case.rod, **variant} for variant in case.parameters.get("variants", [{}])]
-    names = set()
-    for rod in rods:
-        element = rod.get("element", "3333")
-        law = rod.get("material", {}).get("law", "saint-venant-kirchhoff")
-        shown = "" if law == "saint-venant-kirchhoff" else f", {law}"
-        names.add(f"{element}, {formulation_of(rod)}{shown}")
-    return names
+    return {
+        f"{element}, {formulation}" + ("" if law == "saint-venant-kirchhoff" else f", {law}")
+        for element, formulation, law in case.combinations
+    }

@@ -11,7 +11,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from validation.cases import INDEPENDENCE, Case
+from validation.cases import INDEPENDENCE, Case, formulation_of
 from validation.convergence import SHORTFALL
 from validation.criteria import Verdict
 from validation.environment import peak_memory_mb
@@ -27,7 +27,7 @@ from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
 from validation.runner import Run
-from validation.scenes import as_toml, formulation_of
+from validation.scenes import as_toml
 
 HERE = Path(__file__).parent
 CONTENTS = (
