@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.cauchy_green import CauchyGreen
+from ancf.errors import InputError, Message
 from ancf.hyperelastic import enhanced_potentials, full_potential
 from ancf.materials import VOIGT, SaintVenantKirchhoff
 from ancf.rod_model import RodModel
+from ancf.scene import Rod
 from ancf.section_energy import local_gradient, quadrature_degree, strain_matrix
 
 Floats = NDArray[np.float64]
@@ -100,6 +102,27 @@ def cauchy_stress(rod: RodModel, q: Floats, y: Floats, z: Floats) -> Floats:
     F = deformation_gradient(rod, q, y, z)
     S = tensor(second_stress(rod, q, y, z), shear=1.0)
     return F @ S @ np.swapaxes(F, -1, -2) / np.linalg.det(F)[..., None, None]
+
+
+def check_places(rod: Rod, at: float, y: Floats, z: Floats) -> None:
+    """Refuse places off the rod: stress there would be extrapolated. Raises InputError."""
+    if not 0.0 <= at <= 1.0:
+        raise InputError(
+            Message(
+                "There is no stress off the rod.", f"rod {rod.name!r}, at = {at:g}", "0 <= at <= 1",
+                "a length instead of a fraction of it", "divide by the length",
+            )
+        )  # fmt: skip
+    lost = [i for i in range(len(y)) if not rod.section.contains(y[i], z[i], 1e-6)]
+    if lost:
+        i = lost[0]
+        raise InputError(
+            Message(
+                "There is no stress outside the section.", f"rod {rod.name!r}, point {i}",
+                f"(y, z) = ({y[i]:.6g}, {z[i]:.6g}) m is not in the {type(rod.section).__name__.lower()}",
+                "another unit, or a point in the bore", "take points of the section, in m",
+            )
+        )  # fmt: skip
 
 
 def along_rod(rod: RodModel, values: Floats, at: float) -> Floats:

@@ -193,11 +193,16 @@ class Solution:
         name : rod; the first if None
         at : fraction of the reference length, 0 to 1
         y, z : coordinates (n,) [m] in the reference section
+
+        Raises
+        ------
+        InputError : a place that is not on the rod or not in its section.
         """
-        from ancf.section_stress import along_rod, cauchy_stress
+        from ancf.section_stress import along_rod, cauchy_stress, check_places
 
         rod = self._rod(name)
         y, z = np.broadcast_arrays(np.atleast_1d(np.asarray(y, float)), np.asarray(z, float))
+        check_places(rod.rod, at, y, z)
         axes = self.section_axes(name)[:, None]
         stress = np.swapaxes(axes, -1, -2) @ cauchy_stress(rod, self.q, y, z) @ axes
         return along_rod(rod, stress, at)

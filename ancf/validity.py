@@ -12,7 +12,7 @@ from ancf.failure import LARGEST_TURN, element_turns
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.section_stress import section_strain, tensor
-from ancf.sections import Annulus, Circle, Ellipse
+from ancf.section_validity import section_warnings
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -25,12 +25,7 @@ Floats = NDArray[np.float64]
 # 1.45 to 1.51 for Saint Venant-Kirchhoff, .37 to .45 for neo-Hookean, .37 to .75 for Mooney-Rivlin. The first
 # is softer than rubber by about (kappa R)^2, which nears 1 % at this strain.
 STRAIN_LIMIT = 0.08
-# Linear sections lack the second-order lateral field of rubber: c errs by up to .25 in neo-Hookean bending,
-# by .6 to 1.1 in Mooney-Rivlin (section energy of the enhanced formulation against reference/section.py, nu =
-# .3 to .49); 1 % at these strains.
-LINEAR_SECTION_LIMIT = {NeoHookean: 0.2, MooneyRivlin: 0.1}
-# Quadratic sections were compared with the exact section answer up to a full circle of L/R = 40.
-QUADRATIC_SECTION_LIMIT = 0.17
+NAMES = {NeoHookean: "neo-Hookean", MooneyRivlin: "Mooney-Rivlin"}
 # Treloar, The Physics of Rubber Elasticity (1975), ch. 5: natural rubber follows the neo-Hookean law up to a
 # stretch of about 1.5 and Mooney's up to about 2; beyond, chains of finite length stiffen.
 STRETCH_LIMIT = {NeoHookean: 1.5, MooneyRivlin: 2.0}
@@ -38,8 +33,6 @@ STRETCH_LIMIT = {NeoHookean: 1.5, MooneyRivlin: 2.0}
 VOLUME_LIMIT = 0.2
 # Curvature-thickness locking of full axial rules reaches 1 % of the tip at this slenderness of an element.
 LOCKING_SLENDERNESS = 25.0
-# Torsion in a section moment that is worth a warning where the section's torsion stiffness is not exact.
-TORSION_SHARE = 1e-3
 OUTLINE_POINTS = 16
 
 
@@ -62,8 +55,7 @@ def validity_warnings(solution: Solution) -> list[str]:
         texts = [
             *_turns(solution, rod),
             *_law(rod, strain),
-            *_section(rod, strain),
-            *_torsion(solution, rod),
+            *section_warnings(solution, rod, strain),
         ]
         found += [f"rod {rod.rod.name!r}: {text}" for text in texts]
     return found
@@ -122,7 +114,7 @@ def _law(rod: RodModel, strain: Floats) -> Iterator[str]:
         return
     squares = 1.0 + 2.0 * np.linalg.eigvalsh(tensor(strain, shear=0.5))
     stretch = np.sqrt(np.maximum(squares, 0.0))  # a flat section leaves -1e-16
-    name, limit = type(material).__name__, STRETCH_LIMIT[type(material)]
+    name, limit = NAMES[type(material)], STRETCH_LIMIT[type(material)]
     if not 1.0 / limit <= stretch.min() <= stretch.max() <= limit:
         yield (
             f"principal stretches reach from {stretch.min():.3g} to {stretch.max():.3g}, beyond "
@@ -137,57 +129,3 @@ def _law(rod: RodModel, strain: Floats) -> Iterator[str]:
             f"the volume changes by {worst:.0%} (beyond {VOLUME_LIMIT:.0%}): the volume energy of {name} is "
             "a choice of form there, not a property of the material"
         )
-
-
-def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
-    """What the section cannot follow, by how much the strain varies over it: curvature or twist times radius.
-
-    Uniform states are exact in every element and law, so they do not count.
-    """
-    spread = float(np.max(np.abs(strain[:, :-1] - strain[:, -1:]) * np.array([1, 1, 1, 0.5, 0.5, 0.5])))
-    if rod.element.quadratic_section:
-        if spread > QUADRATIC_SECTION_LIMIT:
-            yield (
-                f"the strain varies by {spread:.2g} from axis to skin: the quadratic section of "
-                f"{rod.element.name} was compared with the exact section answer up to "
-                f"{QUADRATIC_SECTION_LIMIT:g} only"
-            )
-        return
-    limit = LINEAR_SECTION_LIMIT.get(type(rod.rod.material))
-    if limit is not None and spread > limit:
-        yield (
-            f"the strain varies by {spread:.2g} from axis to skin (above {limit:g}): a linear section "
-            "lacks the second-order lateral field of rubber, an error in bending that grows with the square, "
-            "is 1 % there and stays at every mesh; use 3363"
-        )
-
-
-def _torsion(solution: Solution, rod: RodModel) -> Iterator[str]:
-    """Torsion stiffness: exact where the element's sections can take the warping of the section."""
-    section = rod.rod.section
-    # Saint-Venant warping is nothing on a circle, and y z on an ellipse.
-    exact = (Circle, Annulus, Ellipse) if rod.element.quadratic_section else (Circle, Annulus)
-    if isinstance(section, exact):
-        return
-    share = twist_share(solution, rod)
-    if share <= TORSION_SHARE:
-        return
-    if rod.element.quadratic_section:
-        limit = (
-            f"sections of {rod.element.name} warp by y z, y^2 and z^2 only: torsion stiffness is too high, "
-            "on rectangles by up to 19 %, and more on thin or angular sections"
-        )
-    else:
-        limit = (
-            f"sections of {rod.element.name} cannot warp: torsion stiffness G (I_y + I_z) is too high unless "
-            "round"
-        )
-    yield f"known limit: {share:.1%} of the squared section moment is torsion, and {limit}"
-
-
-def twist_share(solution: Solution, rod: RodModel) -> float:
-    """Share of the twisting moment in the squared section moment, summed over the rod."""
-    moment = solution.section_forces(rod.rod.name).moment
-    along = np.einsum("ni,ni->n", moment, solution.section_axes(rod.rod.name)[:, :, 0])
-    total = float(np.sum(moment**2))
-    return float(np.sum(along**2)) / total if total > 0.0 else 0.0

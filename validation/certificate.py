@@ -81,6 +81,11 @@ class Verification:
         return self.certificate is not None and not self.reasons
 
 
+def domain_of_run(run: Run) -> list[dict[str, Any]]:
+    """Domain of validity that a run earned, whole or not."""
+    return _domain(evidence_of(run))
+
+
 def build(run: Run) -> dict[str, Any]:
     """The statement about a run, all of it or not; `verify` decides whether it is worth anything."""
     evidence = evidence_of(run)

@@ -138,7 +138,8 @@ def _norm(vectors: Any) -> float:
 
 def _place(load: Any) -> str:
     place = "the end" if load.at == 1.0 else "between the ends"
-    return f"{place}, off the axis" if _norm(getattr(load, "offset", 0.0)) else place
+    offset = getattr(load, "offset", None)
+    return place if offset is None or not _norm(offset) else f"{place}, off the axis"
 
 
 def _follower(load: Any) -> str:

@@ -65,7 +65,7 @@ def test_a_long_solution_is_announced_without_being_asked(monkeypatch, capsys):
 
 def test_the_memory_of_the_machine_is_the_limit_where_none_is_given(monkeypatch):
     monkeypatch.setattr(solid_cost, "machine_memory", lambda: 1e6)
-    with pytest.raises(SolidTooLarge, match="GB > 0.001 GB"):
+    with pytest.raises(SolidTooLarge, match=r"GB > 0\.001 GB"):
         check_cost(problem().mesh, "displacement")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ancf.elements import ELEMENTS
+from ancf.errors import InputError
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.rod_model import make_rod_model
@@ -147,3 +148,18 @@ def test_pulled_rod_shows_true_stress():
     t = np.linalg.norm(solution.tip().r_y)
     expected = np.diag([P / (np.pi * RADIUS**2 * t**2), 0.0, 0.0])
     np.testing.assert_allclose(solution.section_stress("rod", 0.4, 0.003, 0.001)[0], expected, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("at", "y", "z", "message"),
+    [
+        (1.5, 0.0, 0.0, "no stress off the rod"),
+        (float("nan"), 0.0, 0.0, "no stress off the rod"),
+        (0.5, 1.0, 0.0, "no stress outside the section"),
+        (0.5, float("nan"), 0.0, "no stress outside the section"),
+    ],
+)
+def test_places_off_the_rod_are_refused(at, y, z, message):
+    solution = solved(Scene((Rod("rod", 0.4, 2, Circle(0.01), SaintVenantKirchhoff(1e6, 0.3)),)))
+    with pytest.raises(InputError, match=message):
+        solution.section_stress(None, at, y, z)

@@ -10,8 +10,12 @@ from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.rotation import log
 from ancf.scene import Force, Moment, Rod, Scene, Support
-from ancf.sections import Circle, Ellipse, Rectangle
+from ancf.section_validity import ANTICLASTIC
+from ancf.sections import Annulus, Circle, Ellipse, Rectangle
 from reference.root import bracketed_root
+from reference.section import bend
+from reference.solid_materials import NeoHookean as SolidNeoHookean
+from reference.solid_mesh import annular_section, rectangular_section
 from validation.energy_measures import solid_law
 from validation.solution_measures import bending_stiffness, solved
 
@@ -117,10 +121,10 @@ def stretched(material, stretch, element="3333"):
     ("material", "stretch", "words"),
     [
         (RUBBER, 1.45, None),  # Treloar: neo-Hookean up to 1.5
-        (RUBBER, 1.6, ["principal stretches", "to 1.6,", "0.667 to 1.5", "NeoHookean"]),
+        (RUBBER, 1.6, ["principal stretches", "to 1.6,", "0.667 to 1.5", "neo-Hookean"]),
         (RUBBER, 0.6, ["principal stretches", "from 0.6 ", "0.667 to 1.5"]),
         (MOONEY, 1.6, None),  # Treloar: Mooney up to 2
-        (MOONEY, 2.1, ["principal stretches", "to 2.1,", "0.5 to 2", "MooneyRivlin"]),
+        (MOONEY, 2.1, ["principal stretches", "to 2.1,", "0.5 to 2", "Mooney-Rivlin"]),
         # nu = 0: no lateral strain, so the volume changes by the stretch
         (NeoHookean(1e6, 0.0), 1.15, None),
         (NeoHookean(1e6, 0.0), 1.3, ["volume changes by 30%", "beyond 20%"]),
@@ -212,3 +216,49 @@ def test_warnings_are_recorded_in_the_result():
 
 def test_full_hooke_at_zero_poisson_ratio_does_not_lock():
     assert warnings(replace(ROD, formulation="continuum", material=SaintVenantKirchhoff(1e6, 0.0))) == []
+
+
+@pytest.mark.parametrize(
+    ("section", "element", "kappa", "words"),
+    [
+        # Brazier: 1.5 (1 - .3^2)(kappa r^2/t)^2 = 5.46 % at kappa r^2/t = .2, .5 % at .06
+        (Annulus(0.01, 0.009), "3333", 0.2 / 0.09025, ["flatten", "5.5%", "above 1%", "sections of 3333"]),
+        (Annulus(0.01, 0.009), "3363", 0.2 / 0.09025, ["flatten", "sections of 3363"]),
+        (Annulus(0.01, 0.009), "3333", 0.06 / 0.09025, None),
+        # exact section problem, strips 1:10 at nu = .3: 2.9 % stiffer at w^2 kappa/h = 4
+        (Rectangle(0.004, 0.04), "3333", 10.0, ["curves across", "3.2% stiffer", "use 3363"]),
+        (Rectangle(0.04, 0.004), "3333", 10.0, None),  # bent the narrow way: no strip
+        (Ellipse(0.002, 0.02), "3333", 10.0, ["curves across", "3.2% stiffer"]),
+        (Rectangle(0.004, 0.04), "3333", 2.0, None),
+        (Rectangle(0.004, 0.04), "3363", 10.0, None),
+        (Rectangle(0.004, 0.04), "3363", 30.0, ["at its edges only", "= 12 (above 10)"]),
+    ],
+)
+def test_sections_that_change_shape_in_bending(section, element, kappa, words):
+    rod = Rod("rod", 0.1, 8, section, NeoHookean(1e6, 0.3), element, supports=FREE)
+    EI = 1e6 * section.second_moments[0, 0]
+    scene = Scene((rod,), moments=(Moment("rod", 1.0, np.array([0.0, 0.0, kappa * EI])),))
+    found = [text for text in solved(scene).warnings if "strain varies" not in text]
+    assert len(found) == (words is not None), found
+    assert all(word in found[0] for word in words or ()), found
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+def test_the_measure_of_flattening_is_that_of_the_exact_section_problem(nu):
+    """Brazier (1927), long before any computer: loss of couple at a given curvature, r/t = 9.5."""
+    tube, kappa = annular_section(0.01, 0.009, 4), 0.1 * 0.001 / 0.0095**2
+    EI = 1e6 * np.pi * (0.01**4 - 0.009**4) / 4
+    loss = 1.0 - bend(tube, SolidNeoHookean(1e6, nu), curvature=kappa).couple[2] / (EI * kappa)
+    assert loss == pytest.approx(1.5 * (1 - nu**2) * 0.1**2, rel=0.05)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.49])
+@pytest.mark.parametrize("beta", [1.0, 4.0])
+def test_the_measure_of_anticlastic_bending_is_that_of_the_exact_section_problem(nu, beta):
+    h, w = 0.004, 0.08
+    strip, kappa = rectangular_section(h, w, 2, 16), beta * h / w**2
+    gain = (
+        bend(strip, SolidNeoHookean(1e6, nu), curvature=kappa).couple[2] / (1e6 * w * h**3 / 12 * kappa) - 1.0
+    )
+    x = beta**2 / ANTICLASTIC
+    assert gain == pytest.approx(nu**2 * x / (1.0 + (1.0 - nu**2) * x), rel=0.12)

@@ -8,7 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from validation.cases import INDEPENDENCE, Case
+from validation.certificate import domain_of_run
 from validation.problems import CaseResult
+from validation.regime import HARDNESS
+from validation.runner import Run
 
 LETTERS = {
     "closed form": "C", "section problem": "S", "3-D solid": "D", "rod integration": "R", "other code": "O",
@@ -49,6 +52,17 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
             for name, meaning in INDEPENDENCE.items()
         ],
     }  # fmt: skip
+
+
+def domain_rows(run: Run) -> list[dict[str, Any]]:
+    """Domain of validity of a run, a row for each element, law and load family: ranges and largest numbers."""
+    rows = []
+    for entry in domain_of_run(run):
+        largest = dict(
+            zip(HARDNESS, (max(column) for column in zip(*entry["front"], strict=True)), strict=True)
+        )
+        rows.append({**entry, "largest": largest, "sections": ", ".join(entry["tried"]["section"])})
+    return rows
 
 
 def _cell(counts: Counter[str] | None) -> str:

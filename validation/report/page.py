@@ -22,7 +22,7 @@ from validation.property_runs import SEED
 from validation.record import write_text
 from validation.report import figures_cross, figures_paper, figures_studies, numbers
 from validation.report.captions import captions
-from validation.report.coverage import coverage
+from validation.report.coverage import coverage, domain_rows
 from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
@@ -108,6 +108,7 @@ def context(run: Run) -> dict[str, Any]:
         "independence": INDEPENDENCE,
         "known": [c for c in cards if c.verdict is Verdict.KNOWN_LIMIT],
         "coverage": coverage(run.cases),
+        "domain": domain_rows(run),
         "matrices": matrices(run.cases),
         "groups": _groups(references),
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
