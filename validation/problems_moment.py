@@ -44,8 +44,8 @@ def helix(case: Case) -> Outcome:
     sections = exact.rotation[0] @ A_o
     observed = {
         "tip position": float(np.linalg.norm(position - exact.position[0]) / numbers.length),
-        "tip r_y, r_z": float(
-            largest(np.linalg.norm(tip.r_y - sections[:, 1]), np.linalg.norm(tip.r_z - sections[:, 2]))
+        "tip r_y, r_z": largest(
+            float(np.linalg.norm(tip.r_y - sections[:, 1])), float(np.linalg.norm(tip.r_z - sections[:, 2]))
         ),
     }
     if load.direction == "fixed":

@@ -1,4 +1,4 @@
-"""Who checks the reference? The solid against truths it did not come from, with limits and promised orders.
+"""Who checks the references? Solid and section against truths they did not come from, with promised orders.
 
 Manufactured solutions, patches, rigid motion, homogeneous stretch, Rivlin's flexure and torsion, scikit-fem's
 form language, felupe. `run` yields one `CheckResult` at a time; the quick list takes some 20 s.
@@ -29,6 +29,7 @@ from validation.reference_measures import (
     rubbers,
     stretches,
 )
+from validation.section_measures import section_errors
 
 SHORTFALL = 0.3  # of an order: what two meshes far from the limit may miss
 ROUNDING = 1e-12  # relative; measured 1e-16 to 2e-14
@@ -139,9 +140,13 @@ def checks(full: bool = False) -> Iterator[Check]:
             if full or last == (form == "mixed"):
                 yield _flexure(rubber, form, full)
                 yield _torsion(rubber, form, full)
+        if full or last:
+            yield _section(rubber, 0.3)
         if felupe_version() is not None:
             yield _oracle(rubber, "displacement", "felupe")
     for rubber in rubbers(NEARLY):
+        if full or rubber.name == "neo-Hookean":
+            yield _section(rubber, NEARLY)
         # Saint Venant-Kirchhoff is left out: near nu = 1/2 it resists tr E, which no simple motion keeps.
         if rubber.name == "Mooney-Rivlin" or (full and rubber.name == "neo-Hookean"):
             yield _manufactured(rubber, "mixed", "face", full, nearly=True)
@@ -201,6 +206,19 @@ def _oracle(rubber: Rubber, form: Formulation, code: str) -> Check:
         ROUNDING,
         "the same integrals at the same points",
         optional=code == "felupe",
+    )
+
+
+def _section(rubber: Rubber, nu: float) -> Check:
+    """Section problem under refinement."""
+    return Check(
+        f"section problem, nu = {nu:g}: {rubber.name}",
+        "radial equilibrium of the twisted cylinder, collocated; bending: a mesh of 6 quads",
+        section_errors(rubber),
+        1e-7,
+        "required with refinement; fields of fourth order give couples of about seventh",
+        (1, 1 / 2, 1 / 3),
+        {"couple of torsion": 6.0, "stretch of torsion": 6.0, "couple of bending": 6.0},
     )
 
 

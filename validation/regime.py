@@ -16,9 +16,17 @@ if TYPE_CHECKING:
 AXIAL = 1e-9  # share of a vector along (across) the rod from which it counts as having that part
 OUTLINE_POINTS = 16
 # What a scene is made of: words, each of which must have been tried.
-SETTINGS = ("section", "reference", "axial_rule", "shear_factors", "supports", "moment", "places")
+SETTINGS: tuple[str, ...] = (
+    "section",
+    "reference",
+    "axial_rule",
+    "shear_factors",
+    "supports",
+    "moment",
+    "places",
+)
 # How hard it is: harder when larger.
-HARDNESS = ("poisson_ratio", "kappa_R", "turn", "turn_per_element", "strain")
+HARDNESS: tuple[str, ...] = ("poisson_ratio", "kappa_R", "turn", "turn_per_element", "strain")
 # Problems whose cases measure the accuracy of a solved scene; the others show identities, a linear stiffness
 # or iterations, and vouch for no scene.
 ACCURATE = frozenset(

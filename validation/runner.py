@@ -227,7 +227,7 @@ def tasks(part: str, scope: str, expected: Iterable[Case]) -> Iterator[Task]:
         for check in checks(full):
             yield Task(part, check.name, partial(_one_check, check.run), CheckResult)
     elif part == "properties":
-        counts = (150, 30) if full else (20, 5)
+        counts = (100, 20) if full else (20, 5)
         yield Task(part, "all", lambda: list(property_runs.run(*counts)), PropertyResult)
     elif part == "locking":
         yield Task(part, "curve", locking.locking_curve, LockingPoint)

@@ -55,12 +55,11 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 
 def domain_rows(run: Run) -> list[dict[str, Any]]:
-    """Domain of validity of a run, a row for each element, law and load family: ranges and largest numbers."""
+    """Domain of validity of a run, a row for each element, law and load: ranges and largest numbers."""
     rows = []
     for entry in domain_of_run(run):
-        largest = dict(
-            zip(HARDNESS, (max(column) for column in zip(*entry["front"], strict=True)), strict=True)
-        )
+        most = [max(column) for column in zip(*entry["front"], strict=True)]
+        largest = dict(zip(HARDNESS, most, strict=True))
         rows.append({**entry, "largest": largest, "sections": ", ".join(entry["tried"]["section"])})
     return rows
 
