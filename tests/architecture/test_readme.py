@@ -35,7 +35,7 @@ def test_python_runs(monkeypatch, capsys):
     assert "2.5457" in capsys.readouterr().out
     exec(compile(check, "README.md", "exec"), {})
     # The shipped certificate is of this code: `ancf validate --full --ship` after an edit of the solver.
-    assert capsys.readouterr().out == "True []\n"
+    assert capsys.readouterr().out == "True []\n[]\n"
 
 
 def test_tip_is_the_one_quoted():

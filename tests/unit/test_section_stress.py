@@ -163,3 +163,20 @@ def test_places_off_the_rod_are_refused(at, y, z, message):
     solution = solved(Scene((Rod("rod", 0.4, 2, Circle(0.01), SaintVenantKirchhoff(1e6, 0.3)),)))
     with pytest.raises(InputError, match=message):
         solution.section_stress(None, at, y, z)
+
+
+def test_values_along_the_rod_are_those_of_the_axial_points_and_linear_between():
+    """On a quadratic, another interval would show."""
+    model = make_rod_model(*_scene_of(Rod("rod", 0.4, 3, Circle(0.01), SaintVenantKirchhoff(1e6, 0.3))))
+    x = model.axial_abscissae.ravel() / 0.4
+    for i, here in enumerate(x):
+        assert along_rod(model, x**2, here) == pytest.approx(here**2, rel=1e-12)
+        if i:
+            middle = 0.5 * (x[i - 1] + here)
+            assert along_rod(model, x**2, middle) == pytest.approx(0.5 * (x[i - 1] ** 2 + here**2), rel=1e-12)
+    slope = (x[-1] ** 2 - x[-2] ** 2) / (x[-1] - x[-2])
+    assert along_rod(model, x**2, 1.0) == pytest.approx(x[-1] ** 2 + slope * (1.0 - x[-1]), rel=1e-12)
+
+
+def _scene_of(rod):
+    return Scene((rod,)), rod, 0

@@ -167,7 +167,7 @@ def test_thick_rods_warn_of_what_their_section_or_law_lacks(changes, kappa, word
 @pytest.mark.parametrize(
     ("section", "element", "words"),
     [
-        (Rectangle(0.02, 0.02), "3333", ["cannot warp", "unless round"]),
+        (Rectangle(0.02, 0.02), "3333", ["50.0% of the squared", "cannot warp", "unless round"]),
         (Rectangle(0.02, 0.02), "3363", ["warp by y z", "up to 19 %"]),
         (Ellipse(0.02, 0.01), "3333", ["cannot warp"]),
         (Ellipse(0.02, 0.01), "3363", None),
@@ -262,3 +262,12 @@ def test_the_measure_of_anticlastic_bending_is_that_of_the_exact_section_problem
     )
     x = beta**2 / ANTICLASTIC
     assert gain == pytest.approx(nu**2 * x / (1.0 + (1.0 - nu**2) * x), rel=0.12)
+
+
+@pytest.mark.parametrize(("nu", "warned"), [(0.4999, False), (0.4999999995, True)])
+def test_a_residual_without_digits_is_warned_of(nu, warned):
+    rod = Rod("rod", 0.4, 24, Circle(0.01), SaintVenantKirchhoff(1e6, nu))
+    M = 0.5 * bending_stiffness(rod)
+    solution = ancf.solve(Scene((rod,), moments=(Moment("rod", 1.0, np.array([0.0, 0.0, M])),)))
+    assert solution.status == "converged"
+    assert any("rounding leaves a residual" in text for text in solution.warnings) is warned

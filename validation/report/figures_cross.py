@@ -102,7 +102,8 @@ def stress() -> Markup | None:
         axes.set_title(f"{name}{note}", color=INK)
         axes.set_aspect("equal")
         axes.set_xlabel("z, mm")
-    figure.colorbar(shown, ax=figure.axes, shrink=0.72, format="%.2f", label="axial stress / E")
+    figure.colorbar(shown, ax=figure.axes, shrink=0.72, format="%.2f", label="axial stress / E",
+                    ticks=np.round(np.linspace(-0.75 * top, 0.75 * top, 7), 2))  # fmt: skip
     figure.axes[0].set_ylabel("y, mm")
     return to_svg(figure, "stress", "Axial Cauchy stress of the middle section: solid, 3363, 3333")
 
