@@ -99,3 +99,16 @@ def test_it_solves_without_the_checkout(installed, tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert done.stdout.strip() == "converged", done.stderr
+
+
+def test_the_shipped_certificate_holds_there_too(installed, tmp_path):
+    """Data files included: without its cases the package would not be what was certified."""
+    pytest.importorskip("skfem")
+    code = (
+        f"import sys; sys.path.insert(0, {str(installed)!r}); from validation.certificate import verify;"
+        "found = verify(); print(found.path); print(found.valid, found.reasons)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    where, verdict = done.stdout.splitlines()
+    assert Path(where).is_relative_to(installed)
+    assert verdict == "True []"
