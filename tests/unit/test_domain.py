@@ -181,3 +181,18 @@ def test_nothing_vouches_for_what_is_no_stable_equilibrium():
     assert "the equilibrium is unstable" in outside([], pushed, solution)
     far = arm([0, 0, 90.0], rod={"elements": 2}, solver={"max_steps": 2})
     assert any("no equilibrium to vouch for" in text for text in outside([], far, ancf.solve(far)))
+
+
+def test_loads_on_another_rod_do_not_count():
+    arm_table = {"name": "arm", "length": 0.4, "elements": 4, "section": {"shape": "circle", "radius": 0.01},
+                 "material": {"young_modulus": 1.0e6, "poisson_ratio": 0.3}}  # fmt: skip
+    tables = {
+        "rod": [arm_table, {**arm_table, "name": "other"}],
+        "moment": [{"rod": "other", "value": [0, 0, 0.01]}],
+        "force": [{"rod": "other", "value": [0, 0.01, 0]}],
+        "line_load": [{"rod": "other", "value": [0, 0.01, 0]}],
+    }
+    scene = ancf.scene_from_dict(tables)
+    here = regime_of(scene.rods[0], scene)
+    assert (here["loads"], here["kappa_R"], here["places"]) == ([], 0.0, "none")
+    assert loads_of(scene.rods[1], scene) == ["bending", "force", "line load"]

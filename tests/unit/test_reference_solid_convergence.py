@@ -107,3 +107,11 @@ def test_two_directions_are_corrected_apart():
 def test_impossible_sequences_are_refused(values, sizes, message):
     with pytest.raises(ValueError, match=message):
         richardson(values, sizes, 4)
+
+
+def test_meshes_that_swing_have_the_largest_difference_for_an_error():
+    """|f_2 - f_1| = .1 is worth .1/2^4 on the next mesh, |f_3 - f_2| = .05: safety 3 times the larger."""
+    found = richardson([1.0, 1.1, 1.05], [4.0, 2.0, 1.0], 4.0)
+    assert not found.asymptotic
+    assert found.error == pytest.approx(0.15)
+    assert found.extrapolated == 1.05

@@ -13,7 +13,7 @@ from reference.rod import RodNotSolved
 from reference.rotation import exp
 from reference.section_answer import NoAnswer, section_answer
 from reference.solid import SolidTooLarge
-from validation import exact, problems_cross
+from validation import exact, problems_cross, problems_stress
 from validation.cases import Case, Reference
 from validation.criteria import Limit, Verdict
 from validation.exact import Answer, answer
@@ -216,3 +216,34 @@ def test_the_middle_third_of_the_ladder_is_that_of_the_section_problem(monkeypat
     # |M| L/EI = 1.118: the turn of 1e-3 by the whole angle
     wanted = 1e-3 / np.linalg.norm(problems_cross.BOTH)
     assert again.findings[1].observed == pytest.approx(wanted, rel=1e-5)
+
+
+@pytest.mark.parametrize(("sign", "verdict"), [(1.0, Verdict.PASS), (-1.0, Verdict.INCONCLUSIVE)])
+def test_stress_of_the_middle_section(monkeypatch, sign, verdict):
+    """Compression towards +y; a made-up solid that contradicts the section problem proves nothing."""
+    points = 0.9 * RADIUS * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])
+    axial = sign * MODULUS * np.array([0.0, -0.0353, 0.0353, 0.0])  # kappa y E, kappa R = 0.0393
+    solid = Answer(
+        np.zeros(3),
+        np.eye(3),
+        0.0,
+        0.0,
+        values={"stress": {"points": points.tolist(), "axial": axial.tolist()}},
+    )
+    monkeypatch.setattr(problems_stress, "answer", lambda source, scene: solid)
+    limits = (
+        Limit("axial stress, 90, section", 0.05, "-", "test"),
+        Limit("axial stress, 90, solid", 0.2, "-", "t"),
+    )
+    result = run_case(case("section stress", limits))
+    assert result.verdict is verdict
+    assert result.outcome.observed["axial stress, 90, section"] < 0.04
+    assert result.outcome.reference_error["axial stress, 90, section"] < 1e-3
+
+
+def test_without_a_solid_the_stress_is_inconclusive(monkeypatch):
+    lost = Answer(np.full(3, np.nan), np.full((3, 3), np.nan), math.inf, math.inf, "no mesh converged")
+    monkeypatch.setattr(problems_stress, "answer", lambda source, scene: lost)
+    result = run_case(case("section stress", (Limit("axial stress, *", 0.2, "-", "test"),)))
+    assert result.verdict is Verdict.INCONCLUSIVE
+    assert "no mesh converged" in result.outcome.notes[0]
