@@ -126,10 +126,13 @@ def rates(results: Sequence[CaseResult]) -> Markup | None:
         panels[element].loglog(angle * radii / length, gaps, marker=marker, color=colour, lw=1.2, label=law)
     first = panels["3333"]
     kappa = np.array(first.get_xlim()) * [1.1, 0.9]
+    ticks = [0.02, 0.04, 0.08]
     for element, axes in panels.items():
         axes.loglog(kappa, 0.05 * kappa**2, color=FAINT, lw=3, zorder=0)
-        axes.set_title(f"{element}")
+        axes.set_title(element)
         axes.grid(which="both", axis="both")
+        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.set_xticks([], minor=True)
     first.text(kappa[1], 0.03 * kappa[1] ** 2, "order 2", color=MUTED, va="top", ha="right", fontsize=9)
     first.set_ylabel("distance of the tip / L")
     panels["3243"].set_xlabel("κR, surface strain of the thin rod")
