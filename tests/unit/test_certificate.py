@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -171,6 +172,21 @@ def test_one_byte_of_the_solver(tree):
     data[-2] ^= 1
     path.write_bytes(data)
     assert reasons(tree) == ["ancf/energy.py changed"]
+
+
+def test_an_edit_that_breaks_the_solver_is_named_and_no_traceback(tree):
+    (tree / "ancf" / "energy.py").write_text("nonsense\n")
+    code = (
+        "from pathlib import Path; from validation.certificate import verify;"
+        "found = verify(Path('certificate.json')); print(found.valid); print(*found.reasons, sep='\\n')"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tree)}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tree, env=environment)
+    assert done.stdout.splitlines() == [
+        "False", "ancf/energy.py changed",
+        "the present code does not load: NameError: name 'nonsense' is not defined",
+    ], done.stderr  # fmt: skip
 
 
 def test_a_file_of_the_solver_added_or_taken_away(tree):
