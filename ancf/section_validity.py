@@ -43,9 +43,14 @@ def section_warnings(solution: Solution, rod: RodModel, strain: Floats) -> Itera
     strain : Green-Lagrange strain (sections, skin and axis last, 6)
     """
     yield from _section(rod, strain)
-    yield from _torsion(solution, rod)
-    yield from _flattening(solution, rod)
-    yield from _anticlastic(solution, rod)
+    if isinstance(rod.rod.section, Circle):
+        return  # a disc has nothing to warp, to flatten or to curve across
+    name = rod.rod.name
+    axes, moment = solution.section_axes(name), solution.section_forces(name).moment
+    local = np.einsum("nia,ni->na", axes, moment)  # about the section's normal, y and z
+    yield from _torsion(rod, local)
+    yield from _flattening(rod, local)
+    yield from _anticlastic(rod, local)
 
 
 def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
@@ -71,14 +76,15 @@ def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
         )
 
 
-def _torsion(solution: Solution, rod: RodModel) -> Iterator[str]:
+def _torsion(rod: RodModel, moment: Floats) -> Iterator[str]:
     """Torsion stiffness: exact where the element's sections can take the warping of the section."""
     section = rod.rod.section
-    # Saint-Venant warping is nothing on a circle, and y z on an ellipse.
-    exact = (Circle, Annulus, Ellipse) if rod.element.quadratic_section else (Circle, Annulus)
+    # Saint-Venant warping is nothing on a ring, and y z on an ellipse.
+    exact = (Annulus, Ellipse) if rod.element.quadratic_section else Annulus
     if isinstance(section, exact):
         return
-    share = twist_share(solution, rod)
+    total = float(np.sum(moment**2))
+    share = float(np.sum(moment[:, 0] ** 2)) / total if total > 0.0 else 0.0
     if share <= TORSION_SHARE:
         return
     if rod.element.quadratic_section:
@@ -94,7 +100,7 @@ def _torsion(solution: Solution, rod: RodModel) -> Iterator[str]:
     yield f"known limit: {share:.1%} of the squared section moment is torsion, and {limit}"
 
 
-def _flattening(solution: Solution, rod: RodModel) -> Iterator[str]:
+def _flattening(rod: RodModel, moment: Floats) -> Iterator[str]:
     """Tubes flatten in bending and lose 1.5 (1 - nu^2)(kappa r^2/t)^2 of their moment (Brazier 1927).
 
     r mean radius, t wall. The exact section problem gives the same within 10 % for r/t from 4.5 up, and more
@@ -104,7 +110,7 @@ def _flattening(solution: Solution, rod: RodModel) -> Iterator[str]:
     if not isinstance(section, Annulus):
         return
     wall = section.radius - section.inner_radius
-    kappa = float(np.max(np.linalg.norm(_curvatures(solution, rod), axis=1)))
+    kappa = float(np.max(np.linalg.norm(_curvatures(rod, moment), axis=1)))
     nu = rod.rod.material.poisson_ratio
     loss = 1.5 * (1.0 - nu**2) * (kappa * (section.radius - 0.5 * wall) ** 2 / wall) ** 2
     if loss > SHAPE_LIMIT:
@@ -115,7 +121,7 @@ def _flattening(solution: Solution, rod: RodModel) -> Iterator[str]:
         )
 
 
-def _anticlastic(solution: Solution, rod: RodModel) -> Iterator[str]:
+def _anticlastic(rod: RodModel, moment: Floats) -> Iterator[str]:
     """Strips curve across as well, and are stiffer by nu^2 x/(1 + (1 - nu^2) x), x = (w^2 kappa/h)^2/31.
 
     h height in the plane of bending, w width. From E I of a narrow beam to E I/(1 - nu^2) of a plate (Searle;
@@ -125,7 +131,7 @@ def _anticlastic(solution: Solution, rod: RodModel) -> Iterator[str]:
     if not isinstance(section, Rectangle | Ellipse):
         return
     sides = 2.0 * np.abs(section.outline(4)).max(axis=0)  # along y, z
-    kappa_y, kappa_z = np.abs(_curvatures(solution, rod)).max(axis=0)
+    kappa_y, kappa_z = np.abs(_curvatures(rod, moment)).max(axis=0)
     ratio = max(sides[1] ** 2 * kappa_z / sides[0], sides[0] ** 2 * kappa_y / sides[1])
     nu = rod.rod.material.poisson_ratio
     x = float(ratio) ** 2 / ANTICLASTIC
@@ -145,16 +151,6 @@ def _anticlastic(solution: Solution, rod: RodModel) -> Iterator[str]:
         )
 
 
-def _curvatures(solution: Solution, rod: RodModel) -> Floats:
-    """Curvature about the section's y and z (n, 2) [1/m] that the section moments make in the thin rod."""
-    moment = solution.section_forces(rod.rod.name).moment
-    local = np.einsum("nia,ni->na", solution.section_axes(rod.rod.name), moment)
-    return local[:, 1:] / (rod.rod.material.young_modulus * np.diag(rod.rod.section.second_moments)[::-1])
-
-
-def twist_share(solution: Solution, rod: RodModel) -> float:
-    """Share of the twisting moment in the squared section moment, summed over the rod."""
-    moment = solution.section_forces(rod.rod.name).moment
-    along = np.einsum("ni,ni->n", moment, solution.section_axes(rod.rod.name)[:, :, 0])
-    total = float(np.sum(moment**2))
-    return float(np.sum(along**2)) / total if total > 0.0 else 0.0
+def _curvatures(rod: RodModel, moment: Floats) -> Floats:
+    """Curvature about the section's y and z (n, 2) [1/m] that the moments (n, 3) make in the thin rod."""
+    return moment[:, 1:] / (rod.rod.material.young_modulus * np.diag(rod.rod.section.second_moments)[::-1])

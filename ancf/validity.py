@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ancf.failure import LARGEST_TURN, element_turns
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
+from ancf.scene_rods import LARGEST_FLOOR
 from ancf.section_stress import section_strain, tensor
 from ancf.section_validity import section_warnings
 
@@ -31,8 +32,6 @@ NAMES = {NeoHookean: "neo-Hookean", MooneyRivlin: "Mooney-Rivlin"}
 STRETCH_LIMIT = {NeoHookean: 1.5, MooneyRivlin: 2.0}
 # lambda/2 (ln J)^2 and K/2 (J - 1)^2 have the same pressure to first order; they differ by 3/2 (J - 1) of it.
 VOLUME_LIMIT = 0.2
-# Of E I/L^2: an equilibrium with an error of one percent is none.
-RESIDUAL_LIMIT = 1e-2
 # Curvature-thickness locking of full axial rules reaches 1 % of the tip at this slenderness of an element.
 LOCKING_SLENDERNESS = 25.0
 OUTLINE_POINTS = 16
@@ -51,9 +50,9 @@ def validity_warnings(solution: Solution) -> list[str]:
             "this equilibrium is unstable: its tangent has a negative eigenvalue, as beyond a buckling load; "
             "a small lateral load leads to the stable branch"
         )
-    if solution.residual > RESIDUAL_LIMIT:
+    if solution.residual > LARGEST_FLOOR:
         found.append(
-            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {RESIDUAL_LIMIT:g}): so "
+            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): so "
             "close to 0.5 the Poisson ratio takes all digits; 0.4999 serves as incompressible"
         )
     for rod in solution.model.rods:

@@ -110,15 +110,16 @@ def _too_hard(front: Iterable[Iterable[float]], here: Mapping[str, Any]) -> list
     """Whether no single case was as hard, and the first number that no case so far had."""
     cases = [dict(zip(HARDNESS, case, strict=True)) for case in front]
     asked = {name: short(here[name]) for name in HARDNESS if name in here}
+    passed: list[str] = []
     for name, value in asked.items():
         slack = 1.0 if name == "poisson_ratio" else ROUNDING
         enough = [case for case in cases if value <= case[name] * slack]
         if not enough:
             most = max(case[name] for case in cases)
-            rest = [f"{WORDS[k]} >= {asked[k]:.3g}" for k in list(asked)[: list(asked).index(name)]]
-            given = f" with {', '.join(rest)}" if rest else ""
+            given = f" with {', '.join(passed)}" if passed else ""
             return [f"{WORDS[name]} {value:.3g} is above {most:.3g}, the most tried{given}"]
         cases = enough
+        passed.append(f"{WORDS[name]} >= {value:.3g}")
     return []
 
 

@@ -57,7 +57,7 @@ class MiddleStress:
         """Largest axial stress of the section problem [Pa]."""
         return float(np.max(np.abs(self.section)))
 
-    @property
+    @cached_property
     def errors(self) -> dict[str, float]:
         """Own error of each source [largest]: of two meshes; of the solid, its distance from the first."""
         coarse = _distance(self._section(CELLS[0]), self.section)
@@ -103,17 +103,10 @@ def section_stress(case: Case) -> Outcome:
             wanted = getattr(exact, source)
             observed[label] = _distance(found, wanted) / exact.largest if wanted.size else np.nan
             errors[label] = exact.errors[source]
-        pairs = [("tension", np.argmax(exact.section)), ("compression", np.argmin(exact.section))]
-        rows += [
-            Row(
-                f"{size:g}: largest {name}/E",
-                float(found[i]) / modulus,
-                float(exact.section[i]) / modulus,
-                "-",
-            )
-            for modulus in [law_of(case.rod["material"]).young_modulus]
-            for name, i in pairs
-        ]
+        modulus = law_of(case.rod["material"]).young_modulus
+        for name, i in [("tension", np.argmax(exact.section)), ("compression", np.argmin(exact.section))]:
+            here, wanted = float(found[i]) / modulus, float(exact.section[i]) / modulus
+            rows.append(Row(f"{size:g}: largest {name}/E", here, wanted, "-"))
         if exact.reason:
             notes.append(f"{size:g}: {exact.reason}")
     return Outcome(observed, rows, solution, scene, errors, notes)

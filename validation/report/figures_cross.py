@@ -110,17 +110,21 @@ def stress() -> Markup | None:
 
 def rates(results: Sequence[CaseResult]) -> Markup | None:
     """Distance of beam tips from the exact section problem against kappa R, with the slope of order 2."""
-    found = [r for r in results if r.case.problem == "gap rate" and r.outcome is not None and r.outcome.rows]
+    found = [
+        (r.case, r.outcome.rows)
+        for r in results
+        if r.case.problem == "gap rate" and r.outcome is not None and r.outcome.rows
+    ]
     if not found:
         return None
     figure = new_figure(9.2, 3.8)
     panels = dict(zip(STYLES, figure.subplots(1, 3, sharex=True, sharey=True), strict=True))
     laws: list[str] = []
-    for result in found:
-        radii = np.array(result.case.parameters["radii"])
-        length, angle = result.case.rod["length"], math.radians(result.case.parameters["sizes"][0])
-        gaps = [row.found for row in result.outcome.rows[: len(radii)]]  # type: ignore[union-attr]
-        element, law = result.case.place["element"], result.case.place["law"]
+    for case, rows in found:
+        radii = np.array(case.parameters["radii"])
+        length, angle = case.rod["length"], math.radians(case.parameters["sizes"][0])
+        gaps = [row.found for row in rows[: len(radii)]]
+        element, law = case.place["element"], case.place["law"]
         laws += [law] if law not in laws else []
         marker, colour = LAW_STYLES[laws.index(law) % len(LAW_STYLES)]
         panels[element].loglog(angle * radii / length, gaps, marker=marker, color=colour, lw=1.2, label=law)
