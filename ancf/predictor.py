@@ -1,4 +1,4 @@
-r"""Start values for Newton: the rod under its moments, and extrapolation of an equilibrium path.
+r"""Start values for Newton: a rod held at one section, bent by its moments or by all of its loads.
 
 Moments fixed in space on a straight round rod clamped at one end give helices in closed form: the internal
 moment is constant in space between loads. The same idea serves every section and reference curvature: with
@@ -8,7 +8,7 @@ M(x) known,
 
 with R the section frame is an initial value problem, integrated here by the exponential midpoint rule. It is
 only a start value; the residual decides. Follower moments are integrated from their end, where they are known
-in the section's own axes.
+in the section's own axes. Other loads: the Kirchhoff chain of rod_start.py.
 """
 
 from __future__ import annotations
@@ -22,54 +22,70 @@ from ancf.elements import R_YY, R_YZ, R_ZZ, R
 from ancf.mesh import reference_axis
 from ancf.model import Model
 from ancf.rod_model import RodModel
-from ancf.rod_shape import LocalShape, from_local, node_rotations, to_local
+from ancf.rod_start import Chain, nodal_loads
 from ancf.rotation import exp, log
 from ancf.scene import Moment
 
 Floats = NDArray[np.float64]
 
-# Largest change of a local measure [rad] in the difference quotient that turns dq into rates.
-_RATE_ANGLE = 1e-5
 # Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
 LARGEST_TURN = 1e3
+# Axial strains that a start may have: beyond them the law is far from linear, and Newton finds its way.
+STRAINS = (-0.2, 1.0)
 
 
-def moment_start(model: Model, load_factor: float) -> Floats | None:
-    """Coordinates (n,) of the rods bent by their point moments alone; None where no such start is known.
+def load_start(model: Model) -> Floats | None:
+    """Coordinates (n,) near the equilibrium under all loads; None where no rod has such a start.
 
-    Known for rods held by one clamp (or free-section clamp) at x = 0 whose moments are all fixed in space, or
-    a single follower moment. Other rods keep their reference shape.
+    Known for rods held by one clamp (or free-section clamp): from their point moments alone in closed form,
+    else from the equilibrium of a Kirchhoff rod (rod_start.py). Other rods keep their reference shape.
     """
     q = model.q0.copy()
     found = False
     for rod in model.rods:
-        moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         supports = rod.rod.supports
-        held = len(supports) == 1 and supports[0].kind != "pin" and supports[0].at == 0.0
-        fixed = all(m.direction == "fixed" for m in moments)
-        if not (moments and held and (fixed or len(moments) == 1)):
+        if len(supports) != 1 or supports[0].kind == "pin":
             continue
-        turns = sum(np.abs(m.value).max() for m in moments) * rod.rod.length / rod.bending_stiffness
-        if not turns < LARGEST_TURN:  # also false for an overflow
+        moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
+        loads = nodal_loads(model.scene, rod)
+        frames, axial_strain = _frames_by_moments(rod, moments), None
+        if loads.forces or (moments and frames is None):
+            chain = _chain(rod)
+            starts = [chain.R_0] if frames is None else [chain.R_0, frames]
+            shapes = (chain.equilibrium(loads, R) for R in starts)
+            shape = next((shape for shape in shapes if shape is not None), None)
+            if shape is not None:
+                frames, axial_force = shape
+                axial_strain = axial_force / (rod.rod.material.young_modulus * rod.rod.section.area)
+        if frames is None:
             continue
-        shape = _bent_by_moments(rod, moments, load_factor, follower=not fixed)
+        shape = _shape(rod, frames, axial_strain)
         q[rod.first_dof : rod.first_dof + rod.size] = shape.ravel()
         found = True
     return q if found else None
 
 
-def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, follower: bool) -> Floats:
-    """Nodal vectors (n_nodes, vectors, 3) of a rod bent by its moments."""
+def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
+    """Section frames (n_nodes, 3, 3) of a rod bent by its moments alone.
+
+    None unless it is held at x = 0 and its moments are all fixed in space, or a single follower moment.
+    """
+    fixed = all(m.direction == "fixed" for m in moments)
+    if not moments or rod.rod.supports[0].at != 0.0 or not (fixed or len(moments) == 1):
+        return None
+    turns = sum(np.abs(m.value).max() for m in moments) * rod.rod.length / rod.bending_stiffness
+    if not turns < LARGEST_TURN:  # also false for an overflow
+        return None
     x = rod.mesh.node_x
     A_o = rod.rod.base.rotation
     compliance = _compliance(rod)
-    total = np.array([load_factor * m.value for m in moments])
+    total = np.array([m.value for m in moments])
     ends = np.array([m.at * rod.rod.length for m in moments])
     rotations = np.empty((len(x), 3, 3))  # section frames in SCS
     rotations[0] = A_o
     ramp = np.diff(x)
     curvature = np.asarray(rod.rod.curvature)
-    if follower:
+    if not fixed:
         # Known in the axes of the loaded section: integrate back from there, then turn the whole rod to
         # its base.
         _, frame = reference_axis(np.array([ends[0]]), rod.rod.curvature)
@@ -95,18 +111,46 @@ def _bent_by_moments(rod: RodModel, moments: list[Moment], load_factor: float, f
             for i, (length, value) in enumerate(zip(ramp, carried, strict=True)):
                 half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
                 rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
+    return rotations
+
+
+def _chain(rod: RodModel) -> Chain:
+    """The rod as a Kirchhoff chain between its nodes."""
+    x = rod.mesh.node_x
+    h = np.diff(x)
+    _, frame = reference_axis(x, rod.rod.curvature)
+    return Chain(
+        h=h,
+        C=np.broadcast_to(np.linalg.inv(_compliance(rod)), (len(h), 3, 3)),
+        k_0=np.asarray(rod.rod.curvature),
+        R_0=rod.rod.base.rotation @ frame,
+        held=_held_node(rod),
+        unit=rod.bending_stiffness / rod.rod.length,
+    )
+
+
+def _held_node(rod: RodModel) -> int:
+    return int(np.argmin(np.abs(rod.mesh.node_x - rod.rod.supports[0].at * rod.rod.length)))
+
+
+def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Floats:
+    """Nodal vectors (n_nodes, vectors, 3) from section frames and axial strains (n_nodes - 1,)."""
+    x = rod.mesh.node_x
     # Chord of a circular arc: shorter than the arc by sin(a/2)/(a/2).
     theta = log(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
     middle = rotations[:-1] @ exp(0.5 * theta)
     half_angle = 0.5 * np.linalg.norm(theta[:, 1:], axis=1)
-    chord = ramp * np.sinc(half_angle / np.pi)
+    chord = np.diff(x) * np.sinc(half_angle / np.pi)
+    if axial_strain is not None:
+        chord *= 1.0 + np.clip(axial_strain, *STRAINS)
     r = np.concatenate([np.zeros((1, 3)), np.cumsum(chord[:, None] * middle[:, :, 0], axis=0)])
     _, frame0 = reference_axis(x, rod.rod.curvature)
-    relative = rotations @ np.swapaxes(A_o @ frame0, -1, -2)
+    relative = rotations @ np.swapaxes(rod.rod.base.rotation @ frame0, -1, -2)
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
-    q[:, rod.element.vectors.index(R)] = r
+    axis, held = rod.element.vectors.index(R), _held_node(rod)
+    q[:, axis] = r - r[held] + rod.q0[held, axis]
     if rod.element.quadratic_section:
-        _contract(rod, q, rotations, theta / ramp[:, None] - curvature)
+        _contract(rod, q, rotations, theta / np.diff(x)[:, None] - np.asarray(rod.rod.curvature))
     return q
 
 
@@ -179,62 +223,3 @@ def _compliance(rod: RodModel) -> Floats:
         [[second[1, 1], -second[0, 1]], [-second[0, 1], second[0, 0]]]
     )
     return np.linalg.inv(stiffness).astype(float)
-
-
-class Path:
-    """The last equilibria of a load path, for extrapolating the next start."""
-
-    def __init__(self, model: Model, q: Floats) -> None:
-        self.model = model
-        self.points: list[tuple[float, list[LocalShape], Floats]] = []
-        self.add(0.0, q)
-
-    def add(self, load_factor: float, q: Floats) -> None:
-        """Append an equilibrium; only the last three are kept."""
-        local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
-        self.points = [*self.points[-2:], (load_factor, local, q)]
-
-    def from_tangent(self, dq: Floats) -> Floats:
-        """Start after the increment dq (n,) of the linear problem, taken in local measures."""
-        _, now, q = self.points[-1]
-        small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
-        rates = [
-            (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
-            for rod, here in zip(self.model.rods, now, strict=True)
-        ]
-        return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
-
-    def extrapolate(self, load_factor: float) -> Floats:
-        """Start at a load factor by the polynomial through the last two or three equilibria."""
-        known = np.array([point[0] for point in self.points])
-        weights = [
-            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)]))
-            for i, a in enumerate(known)
-        ]
-        shapes = []
-        for index in range(len(self.model.rods)):
-            parts = [point[1][index] * w for point, w in zip(self.points, weights, strict=True)]
-            total = parts[0]
-            for part in parts[1:]:
-                total = total + part
-            shapes.append(total)
-        linear = sum(
-            (point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n)
-        )
-        return self._rebuild(shapes, linear)
-
-    def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
-        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
-        q = linear.copy()
-        for rod, shape in zip(self.model.rods, shapes, strict=True):
-            supports = rod.rod.supports
-            if len(supports) != 1 or supports[0].kind == "pin":
-                continue
-            node = int(np.argmin(np.abs(rod.mesh.node_x - supports[0].at * rod.rod.length)))
-            now = rod.nodal(self.points[-1][2])
-            rotation = node_rotations(rod, now)[node]
-            position = now[node, rod.element.vectors.index(R)]
-            q[rod.first_dof : rod.first_dof + rod.size] = from_local(
-                rod, shape, node, position, rotation
-            ).ravel()
-        return q

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ancf.failure import smallest_determinant, status_of_failure
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
-from ancf.predictor import Path, moment_start
+from ancf.path import Path
+from ancf.predictor import load_start
 from ancf.solution import Status
 
 Floats = NDArray[np.float64]
@@ -63,7 +64,7 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     if start is not None and _try_at_once(model, trace, start, deadline):
         return trace
     if options.predictor == "auto":
-        bent = moment_start(model, 1.0)
+        bent = load_start(model)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
             _try_at_once(model, trace, model.q0 if bent is None else bent, deadline)

@@ -13,7 +13,7 @@ from ancf.elements import ELEMENTS, R_YY, R_YZ, R_ZZ
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
-from ancf.predictor import moment_start
+from ancf.predictor import load_start
 from ancf.rod_model import make_rod_model
 from ancf.rotation import exp
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
@@ -152,7 +152,7 @@ def test_the_start_is_saint_venants_lateral_field():
     A = exp(np.array([angle, 0.0, 0.0]))
     kappa = np.radians(90) / LENGTH
     model = Model(Scene((arm(law),), moments=(Moment("rod", 1.0, couple(90, A[:, 2])),)))
-    start = moment_start(model, 1.0)
+    start = load_start(model)
     assert start is not None
     vectors = ELEMENTS["3363"].vectors
     first = start.reshape(-1, len(vectors), 3)[0]

@@ -1,0 +1,74 @@
+r"""Extrapolation of a path of equilibria in local measures (rod_shape.py), which change mildly along it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import R
+from ancf.model import Model
+from ancf.rod_shape import LocalShape, from_local, node_rotations, to_local
+
+Floats = NDArray[np.float64]
+
+# Largest change of a local measure [rad] in the difference quotient that turns dq into rates.
+_RATE_ANGLE = 1e-5
+
+
+class Path:
+    """The last equilibria of a load path, for extrapolating the next start."""
+
+    def __init__(self, model: Model, q: Floats) -> None:
+        self.model = model
+        self.points: list[tuple[float, list[LocalShape], Floats]] = []
+        self.add(0.0, q)
+
+    def add(self, load_factor: float, q: Floats) -> None:
+        """Append an equilibrium; only the last three are kept."""
+        local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
+        self.points = [*self.points[-2:], (load_factor, local, q)]
+
+    def from_tangent(self, dq: Floats) -> Floats:
+        """Start after the increment dq (n,) of the linear problem, taken in local measures."""
+        _, now, q = self.points[-1]
+        small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
+        rates = [
+            (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
+            for rod, here in zip(self.model.rods, now, strict=True)
+        ]
+        return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
+
+    def extrapolate(self, load_factor: float) -> Floats:
+        """Start at a load factor by the polynomial through the last two or three equilibria."""
+        known = np.array([point[0] for point in self.points])
+        weights = [
+            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)]))
+            for i, a in enumerate(known)
+        ]
+        shapes = []
+        for index in range(len(self.model.rods)):
+            parts = [point[1][index] * w for point, w in zip(self.points, weights, strict=True)]
+            total = parts[0]
+            for part in parts[1:]:
+                total = total + part
+            shapes.append(total)
+        linear = sum(
+            (point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n)
+        )
+        return self._rebuild(shapes, linear)
+
+    def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
+        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
+        q = linear.copy()
+        for rod, shape in zip(self.model.rods, shapes, strict=True):
+            supports = rod.rod.supports
+            if len(supports) != 1 or supports[0].kind == "pin":
+                continue
+            node = int(np.argmin(np.abs(rod.mesh.node_x - supports[0].at * rod.rod.length)))
+            now = rod.nodal(self.points[-1][2])
+            rotation = node_rotations(rod, now)[node]
+            position = now[node, rod.element.vectors.index(R)]
+            q[rod.first_dof : rod.first_dof + rod.size] = from_local(
+                rod, shape, node, position, rotation
+            ).ravel()
+        return q

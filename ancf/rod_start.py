@@ -1,0 +1,224 @@
+r"""Equilibrium of a Kirchhoff rod with one held section under any load: where Newton's iteration starts.
+
+The rod is a chain of intervals between nodes with section frames R_i. An interval turns by
+theta = Log(R_i^T R_i+1), carries the moment m = R C (theta/h - k_0) and has the chord c = R h sinc(b/2) e_x,
+b the bending part of theta and R the frame in its middle. With one held section the force n in an interval is
+known, the sum of the forces beyond it. Moments balance at every free node between intervals a and b:
+
+    m_b - m_a + 1/2 (c_a x n_a + c_b x n_b) + M_i = 0        (m' + r' x n + mu = 0).
+
+Newton on the spins w of the frames, R <- Exp(w) R, needs three unknowns a node; with w in the middle the mean
+of both ends,
+
+    dm = R (C/h) R^T (w_i+1 - w_i) + w x m,    d(c x n) = (c n^T - (c . n) I) w:
+
+tridiagonal blocks. They hold for a small theta, and follower forces are taken as they stand: this is only a
+start value, the residual of the elements decides. Axial stretch enters at the end, shear not at all.
+(Antman, Nonlinear Problems of Elasticity, ch. 8.)
+
+Symbols
+-------
+h, C, k_0    length (m,), stiffness (m, 3, 3) [N m2] and stress-free curvature (3,) [1/m] of the intervals
+R            frames (m + 1, 3, 3), columns the section axes x, y, z in SCS
+F, M         force and moment (m + 1, 3) on the nodes
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky_banded, solve_banded
+
+from ancf.elements import R_Y, R_Z
+from ancf.rod_model import RodModel
+from ancf.rotation import exp, hat, log
+from ancf.scene import Scene
+
+Floats = NDArray[np.float64]
+
+MAX_ITERATIONS = 100  # linear solves; five are usual, and one costs a tenth of one of the elements'
+CLOSE = 1e-6  # of E I/L: a start needs no more
+LARGEST_SPIN = 1.0  # rad by which one step may turn neighbours against each other
+EASED = 0.25  # share of the shift that the next step keeps
+BAND = 5  # half bandwidth of a tridiagonal matrix of 3 x 3 blocks
+
+
+@dataclass(frozen=True)
+class NodalLoads:
+    """Loads on the nodes of a chain (m + 1, 3): fixed in space, and turning with the sections.
+
+    The latter are given in the reference. `levers`: node, lever arm in the reference (3,) and force (3,) of
+    dead forces off the axis.
+    """
+
+    force: Floats
+    moment: Floats
+    turning_force: Floats
+    turning_moment: Floats
+    levers: list[tuple[int, Floats, Floats]]
+
+    @property
+    def forces(self) -> bool:
+        """Whether any force acts."""
+        return bool(np.any(self.force) or np.any(self.turning_force))
+
+    @property
+    def dead_forces_only(self) -> bool:
+        """Whether all loads are dead forces, which have a potential."""
+        return not any(np.any(load) for load in (self.moment, self.turning_force, self.turning_moment))
+
+
+def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
+    """Loads of a scene on the nodes of one rod, each on the nearest node."""
+    x, name, vectors = rod.mesh.node_x, rod.rod.name, rod.element.vectors
+    force, moment, turning_force, turning_moment = np.zeros((4, len(x), 3))
+    levers = []
+    for load in scene.moments:
+        if load.rod == name:
+            target = moment if load.direction == "fixed" else turning_moment
+            target[_nearest(x, load.at)] += load.value
+    for load in scene.forces:
+        if load.rod != name:
+            continue
+        node = _nearest(x, load.at)
+        arm = load.offset @ rod.q0[node, [vectors.index(R_Y), vectors.index(R_Z)]]
+        if load.direction == "follower":
+            turning_force[node] += load.value
+            turning_moment[node] += np.cross(arm, load.value)
+        else:
+            force[node] += load.value
+            if np.any(arm):
+                levers.append((node, arm, load.value))
+    half = 0.5 * np.diff(x)
+    span = (np.append(half, 0.0) + np.insert(half, 0, 0.0))[:, None]
+    for load in scene.line_loads:
+        if load.rod == name:
+            target = force if load.direction == "fixed" else turning_force
+            target += span * load.value
+    if scene.gravity is not None and rod.rod.material.density is not None:
+        force += span * rod.rod.section.area * rod.rod.material.density * scene.gravity.acceleration
+    return NodalLoads(force, moment, turning_force, turning_moment, levers)
+
+
+def _nearest(x: Floats, at: float) -> int:
+    return int(np.argmin(np.abs(x - at * x[-1])))
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A rod as intervals between nodes, held at one of them; `unit` is E I/L [N m]."""
+
+    h: Floats
+    C: Floats
+    k_0: Floats
+    R_0: Floats  # reference frames
+    held: int
+    unit: float
+
+    def equilibrium(self, loads: NodalLoads, start: Floats) -> tuple[Floats, Floats] | None:
+        """Frames (m + 1, 3, 3) and axial forces (m,) [N] by Newton from the frames `start`; None: none found.
+
+        Steps go downhill: the tangent is shifted until a step does positive work, by the trapezoidal rule
+        over its ends. Loads need no potential for that; a large shift is a step of the overdamped motion.
+        """
+        R, shift = start, 0.0
+        g, parts = self._residual(R, loads)
+        for _ in range(MAX_ITERATIONS):
+            if _size(g) <= CLOSE * self.unit:
+                chord, n = parts[2], parts[3]
+                return R, np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
+            w = self._step(g, parts, loads, R, shift)
+            if (
+                w is not None and _size(np.diff(w, axis=0)) <= LARGEST_SPIN
+            ):  # false for one that is not finite
+                turned = exp(w) @ R
+                g_new, parts_new = self._residual(turned, loads)
+                if np.sum((g + g_new) * w) > 0.0:
+                    R, g, parts = turned, g_new, parts_new
+                    shift = EASED * shift if shift > 0.1 * self.unit / len(g) else 0.0
+                    continue
+            shift = max(shift / EASED, self.unit / len(g))
+        return None
+
+    def _residual(self, R: Floats, loads: NodalLoads) -> tuple[Floats, tuple[Floats, ...]]:
+        """Unbalanced moments (m + 1, 3), and of the intervals: middle frames, moments, chords, forces."""
+        theta = log(np.swapaxes(R[:-1], -1, -2) @ R[1:])
+        middle = R[:-1] @ exp(0.5 * theta)
+        m = np.einsum("nij,njk,nk->ni", middle, self.C, theta / self.h[:, None] - self.k_0)
+        half_angle = 0.5 * np.linalg.norm(theta[:, 1:], axis=1)
+        chord = (self.h * np.sinc(half_angle / np.pi))[:, None] * middle[:, :, 0]
+        Q = R @ np.swapaxes(self.R_0, -1, -2)
+        n = self._interval_forces(loads.force + np.einsum("nij,nj->ni", Q, loads.turning_force))
+        g = loads.moment + np.einsum("nij,nj->ni", Q, loads.turning_moment)
+        for node, arm, force in loads.levers:
+            g[node] += np.cross(Q[node] @ arm, force)
+        couple = 0.5 * np.cross(chord, n)
+        g[:-1] += m + couple
+        g[1:] += couple - m
+        g[self.held] = 0.0
+        return g, (middle, m, chord, n)
+
+    def _interval_forces(self, force: Floats) -> Floats:
+        """Force n (m, 3) by which the free side pulls on each interval, from nodal forces (m + 1, 3)."""
+        beyond = np.cumsum(force[::-1], axis=0)[::-1][1:]
+        before = np.cumsum(force, axis=0)[:-1]
+        return np.where((np.arange(len(self.h)) < self.held)[:, None], -before, beyond)
+
+    def _step(
+        self,
+        g: Floats,
+        parts: tuple[Floats, Floats, Floats, Floats],
+        loads: NodalLoads,
+        R: Floats,
+        shift: float,
+    ) -> Floats:
+        """Spins (m + 1, 3) of one Newton step."""
+        middle, m, chord, n = parts
+        count = len(g)
+        stiff = middle @ (self.C / self.h[:, None, None]) @ np.swapaxes(middle, -1, -2)
+        turn = -0.5 * hat(m)  # d(m)/dw at either end, by the middle spin
+        force = chord[:, :, None] * n[:, None, :] - np.sum(chord * n, axis=1)[:, None, None] * np.eye(3)
+        blocks = np.zeros((3, count, 3, 3))  # couplings of a node to the one before, itself, the one after
+        # Row i of interval (i, i+1) has + m, row i+1 has - m; both have half of c x n.
+        blocks[1, :-1] += -stiff + turn + 0.25 * force
+        blocks[2, :-1] += stiff + turn + 0.25 * force
+        blocks[0, 1:] += stiff - turn + 0.25 * force
+        blocks[1, 1:] += -stiff - turn + 0.25 * force
+        Q = R @ np.swapaxes(self.R_0, -1, -2)
+        blocks[1] -= hat(np.einsum("nij,nj->ni", Q, loads.turning_moment))
+        for node, arm, F in loads.levers:
+            a = Q[node] @ arm
+            blocks[1, node] += np.outer(a, F) - (a @ F) * np.eye(3)
+        blocks[1] -= shift * np.eye(3)
+        blocks[:, self.held] = 0.0
+        blocks[2, max(self.held - 1, 0)] *= self.held == 0
+        blocks[0, min(self.held + 1, count - 1)] *= self.held == count - 1
+        blocks[1, self.held] = -self.unit * np.eye(3)
+        slots, inside = _slots(count)
+        banded = np.zeros((2 * BAND + 1) * 3 * count)
+        banded[slots] = blocks.ravel()[inside]
+        banded = banded.reshape(2 * BAND + 1, 3 * count)
+        try:
+            if loads.dead_forces_only:  # no step towards a saddle of the potential: fails unless it is convex
+                cholesky_banded(-banded[BAND:], lower=True, check_finite=False)
+            w = solve_banded((BAND, BAND), banded, -g.ravel(), check_finite=False)
+        except np.linalg.LinAlgError:
+            return None
+        return w.reshape(count, 3)
+
+
+@lru_cache(maxsize=16)
+def _slots(count: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Places in band storage of the blocks (3, count, 3, 3) beside and on the diagonal, and which exist."""
+    row = 3 * np.arange(count)[:, None, None] + np.arange(3)[:, None]
+    column = 3 * (np.arange(count) + np.arange(-1, 2)[:, None])[..., None, None] + np.arange(3)
+    inside = np.broadcast_to((column >= 0) & (column < 3 * count), (3, count, 3, 3))
+    place = (BAND + row - column) * 3 * count + column
+    return place[inside], inside.ravel()
+
+
+def _size(vectors: Floats) -> float:
+    return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
