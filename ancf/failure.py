@@ -53,6 +53,10 @@ _CAUSES = {
         "the section is compressed or sheared beyond what this element can follow",
         "reduce the load or use more elements",
     ),
+    Outcome.OFF_PATH: (
+        "the path turns sharply or branches there",
+        "start the path with a small imperfection, or use more elements",
+    ),
     Outcome.STAGNATED: (
         "round-off: the residual cannot fall below what float64 leaves at this stiffness ratio",
         "loosen `tolerance`, or use fewer elements or a less slender rod",
@@ -90,8 +94,12 @@ def explain(model: Model, trace: Trace) -> Message:
         value = (
             f"max_steps = {options.max_steps} used up by {trace.steps} steps and {trace.cutbacks} cut-backs"
         )
-        advice = "raise `max_steps`, or apply less load"
-        return Message(what, where, value, "the scene needs more load steps than it may take", advice)
+        cause = "the scene needs more load steps than it may take"
+        if trace.status is Status.LIMIT_POINT and trace.followed is not None:
+            peak = trace.followed.limit_point
+            assert peak is not None
+            cause = f"the load factor turns back at a limit point, {peak.load_factor:.4g}, and stays below 1"
+        return Message(what, where, value, cause, "raise `max_steps`, or apply less load")
     assert failed is not None  # a search ends by success, by its budgets, or by a failed step
     name, node = _owner(model, failed.worst_dof)
     where += f", rod {name!r}, node {node}"
@@ -104,7 +112,7 @@ def explain(model: Model, trace: Trace) -> Message:
     turn = largest_turn(model, trace.q)
     if trace.status is Status.LIMIT_POINT:
         cause = f"a limit point: the shape changes by {trace.rates[-1]:.0f} rod lengths per load factor there"
-        advice = "load the rod less; path following through limit points is not in this version"
+        advice = 'load the rod less, or follow the path through it: method = "arclength" in [solver]'
     elif trace.status is Status.MATERIAL_UNSTABLE:
         value = f"smallest axial stretch {smallest_stretch(model, trace.q):.3f}"
         cause = "Saint Venant-Kirchhoff carries no more compression below a stretch of 0.577"

@@ -80,7 +80,8 @@ class LinearSystem:
             vector[s.dofs] = s.projector @ vector[s.dofs]
         return vector
 
-    def _supported(self, flat: Floats) -> Floats:
+    def supported(self, flat: Floats) -> Floats:
+        """The dimensionless tangent in flat band storage, 1 on the diagonal for what the supports hold."""
         flat = flat * self._scale
         for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
             flat[columns] = flat[columns] @ s.projector
@@ -91,12 +92,12 @@ class LinearSystem:
     def factorise(self, flat: Floats) -> BandLU:
         """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
         with self.counters.solving():
-            return factorise(self.pattern, self._supported(flat))
+            return factorise(self.pattern, self.supported(flat))
 
     def is_positive_definite(self, flat: Floats) -> bool:
         """Whether a symmetric tangent is positive definite on the motions that the supports allow."""
         with self.counters.solving():
-            return is_positive_definite(self.pattern, self._supported(flat))
+            return is_positive_definite(self.pattern, self.supported(flat))
 
     def solve(self, lu: BandLU, right: Floats) -> Floats:
         """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""

@@ -4,6 +4,8 @@ Converged means: last step <= tolerance (lengths by L, slopes by 1) and residual
 where the floor is what coordinates stored in float64 leave: eps sum_j |K_ij| |q_j| at the worst equation,
 about 10 eps n_el A L^2 / I for a rod of n_el elements, more near incompressibility. Nothing is divided by
 the load.
+
+With a `Border` the load factor is unknown too, and conditions on it and the coordinates come along.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import enum
 import time
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +49,7 @@ class Outcome(enum.Enum):
     INVERTED = "a section turns inside out"
     STAGNATED = "residual stagnates above its floor"
     OUT_OF_TIME = "time limit reached"
+    OFF_PATH = "the step lands on another branch"
 
 
 @dataclass(frozen=True)
@@ -58,12 +62,23 @@ class Iteration:
     step: float
 
 
+class Border(Protocol):
+    """Conditions that determine the load factor together with the coordinates."""
+
+    def step(
+        self, lu: BandLU, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
+    ) -> tuple[Floats, float]:
+        """Newton step (n,) and change of the load factor, from the residual g and the load at factor 1."""
+        ...
+
+
 @dataclass
 class NewtonResult:
-    """Outcome, last coordinates, history and the last factorisation."""
+    """Outcome, last coordinates and load factor, history and the last factorisation."""
 
     outcome: Outcome
     q: Floats
+    load_factor: float
     residual: float
     history: list[Iteration] = field(default_factory=list)
     lu: BandLU | None = None
@@ -78,16 +93,23 @@ class NewtonResult:
 
 
 def newton(
-    model: Model, q: Floats, load_factor: float, max_iterations: int, deadline: float = np.inf
+    model: Model,
+    q: Floats,
+    load_factor: float,
+    max_iterations: int,
+    deadline: float = np.inf,
+    border: Border | None = None,
 ) -> NewtonResult:
     """Solve g(q) = 0 at a load factor from the start q (n,), brought onto the supports first.
+
+    With a `border` the load factor is where it starts.
 
     One linear solve is one iteration. Returns the last iterate whatever happened; a failure is an `Outcome`.
     `deadline` is a value of time.perf_counter().
     """
     options = model.scene.solver
     q = model.admissible(q)
-    result = NewtonResult(Outcome.TOO_MANY, q, np.inf)
+    result = NewtonResult(Outcome.TOO_MANY, q, load_factor, np.inf)
     if model.inside_out(q):
         return _ended(result, Outcome.INVERTED)
     q_previous: Floats | None = None
@@ -106,8 +128,13 @@ def newton(
             result.lu, result.flat = model.system.factorise(flat), flat
         except SingularMatrixError:
             return _ended(result, Outcome.SINGULAR)
-        dq = model.system.solve(result.lu, -g)
-        step = float(np.max(np.abs(dq / model.unit), initial=0.0))
+        if border is None:
+            dq, change = model.system.solve(result.lu, -g), 0.0
+        else:
+            dq, change = border.step(result.lu, g, forces.Q_ext, q, load_factor)
+        step = max(
+            float(np.max(np.abs(dq / model.unit), initial=0.0)), abs(change) / max(abs(load_factor), 1.0)
+        )
         result.history.append(Iteration(load_factor, iteration, result.residual, step))
         if not np.isfinite(step):
             return _ended(result, Outcome.NOT_FINITE)
@@ -120,17 +147,18 @@ def newton(
         if share < SMALLEST_SHARE:
             return _ended(result, Outcome.INVERTED)
         q_previous, q = q, q + share * dq
+        load_factor += share * change
         if share == 1.0 and step <= options.tolerance:
             result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(flat, q)
             forces = model.residual(q)
             finite = _measure(model, result, model.system.project(forces.at(load_factor)))
             if finite and result.residual <= max(options.tolerance, result.floor):
-                result.q = q
+                result.q, result.load_factor = q, load_factor
                 return _ended(result, Outcome.CONVERGED)
             quiet += 1
             if quiet == STAGNATION:
                 return _ended(result, Outcome.STAGNATED)
-        result.q = q
+        result.q, result.load_factor = q, load_factor
     return result
 
 

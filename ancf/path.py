@@ -16,17 +16,28 @@ _RATE_ANGLE = 1e-5
 
 
 class Path:
-    """The last equilibria of a load path, for extrapolating the next start."""
+    """The last equilibria of a path by load factor or arc, for extrapolating the next start."""
 
     def __init__(self, model: Model, q: Floats) -> None:
         self.model = model
         self.points: list[tuple[float, list[LocalShape], Floats]] = []
         self.add(0.0, q)
 
-    def add(self, load_factor: float, q: Floats) -> None:
-        """Append an equilibrium; only the last three are kept."""
+    def add(self, at: float, q: Floats) -> None:
+        """Append an equilibrium; only the last four are kept."""
         local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
-        self.points = [*self.points[-2:], (load_factor, local, q)]
+        self.points = [*self.points[-3:], (at, local, q)]
+
+    def take_back(self) -> None:
+        """Forget the last equilibrium."""
+        self.points.pop()
+
+    def weights(self, at: float) -> list[float]:
+        """Lagrange weights of the points kept."""
+        known = np.array([point[0] for point in self.points[-3:]])
+        return [
+            float(np.prod([(at - b) / (a - b) for b in np.delete(known, i)])) for i, a in enumerate(known)
+        ]
 
     def from_tangent(self, dq: Floats) -> Floats:
         """Start after the increment dq (n,) of the linear problem, taken in local measures."""
@@ -38,23 +49,17 @@ class Path:
         ]
         return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
 
-    def extrapolate(self, load_factor: float) -> Floats:
-        """Start at a load factor by the polynomial through the last two or three equilibria."""
-        known = np.array([point[0] for point in self.points])
-        weights = [
-            float(np.prod([(load_factor - b) / (a - b) for b in np.delete(known, i)]))
-            for i, a in enumerate(known)
-        ]
+    def extrapolate(self, at: float) -> Floats:
+        """Start at a parameter by the polynomial through the last two or three equilibria."""
+        weights, recent = self.weights(at), self.points[-3:]
         shapes = []
         for index in range(len(self.model.rods)):
-            parts = [point[1][index] * w for point, w in zip(self.points, weights, strict=True)]
+            parts = [point[1][index] * w for point, w in zip(recent, weights, strict=True)]
             total = parts[0]
             for part in parts[1:]:
                 total = total + part
             shapes.append(total)
-        linear = sum(
-            (point[2] * w for point, w in zip(self.points, weights, strict=True)), np.zeros(self.model.n)
-        )
+        linear = sum((point[2] * w for point, w in zip(recent, weights, strict=True)), np.zeros(self.model.n))
         return self._rebuild(shapes, linear)
 
     def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:

@@ -121,7 +121,7 @@ def _chain(rod: RodModel) -> Chain:
     _, frame = reference_axis(x, rod.rod.curvature)
     return Chain(
         h=h,
-        C=np.broadcast_to(np.linalg.inv(_compliance(rod)), (len(h), 3, 3)),
+        C=np.tile(np.linalg.inv(_compliance(rod)), (len(h), 1, 1)).astype(float),
         k_0=np.asarray(rod.rod.curvature),
         R_0=rod.rod.base.rotation @ frame,
         held=_held_node(rod),

@@ -170,11 +170,11 @@ class Chain:
     def _step(
         self,
         g: Floats,
-        parts: tuple[Floats, Floats, Floats, Floats],
+        parts: tuple[Floats, ...],
         loads: NodalLoads,
         R: Floats,
         shift: float,
-    ) -> Floats:
+    ) -> Floats | None:
         """Spins (m + 1, 3) of one Newton step."""
         middle, m, chord, n = parts
         count = len(g)

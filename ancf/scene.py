@@ -105,10 +105,19 @@ class SolverOptions:
 
     tolerance: float = 1e-10
     tangent: str = "analytic"
+    method: str = "newton"
     predictor: str = "auto"
     reduction: str = "auto"
     max_steps: int = 200
     max_seconds: float = 600.0
+
+
+@dataclass(frozen=True)
+class StabilityOptions:
+    """What to find out about stability (interface: ``[stability]``)."""
+
+    modes: int = 3
+    branch: str = "primary"
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +130,7 @@ class Scene:
     line_loads: tuple[LineLoad, ...] = ()
     gravity: Gravity | None = None
     solver: SolverOptions = SolverOptions()
+    stability: StabilityOptions | None = None
     title: str = ""
 
     def rod(self, name: str) -> Rod:

@@ -18,12 +18,19 @@ import numpy as np
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
-from ancf.scene_loads import read_force, read_gravity, read_line_load, read_moment, read_solver
+from ancf.scene_loads import (
+    read_force,
+    read_gravity,
+    read_line_load,
+    read_moment,
+    read_solver,
+    read_stability,
+)
 from ancf.scene_rods import read_rod
 from ancf.scene_table import Table
 
-SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "solver")
-LATER_KEYS = ("tendon", "pressure", "contact", "joint", "stability")
+SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "solver", "stability")
+LATER_KEYS = ("tendon", "pressure", "contact", "joint")
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -108,6 +115,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
+        stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),
     )
     for entry, rod in zip(entries, rods, strict=True):

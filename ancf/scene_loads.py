@@ -1,4 +1,4 @@
-"""Reading of the effects a scene lists (moments, forces, line loads, gravity) and of `[solver]`.
+"""Reading of the effects a scene lists, and of `[solver]` and `[stability]`.
 
 Vectors leave this module in SCS: what was given with ``frame = "body"`` is turned with the rod's base.
 """
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions
+from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
 from ancf.scene_table import FRACTION, Limit, Table, nearest, show
 from ancf.units import (
     ACCELERATION,
@@ -24,6 +24,7 @@ from ancf.units import (
 )
 
 MOST_STEPS = 1_000_000
+MOST_MODES = 100
 DIRECTIONS = ("fixed", "follower")
 TOLERANCE = Limit(lambda v: 0.0 < v <= 1e-2, "inside (0, 1e-2]")
 SECONDS = Limit(lambda v: v > 0.0, "> 0")
@@ -97,15 +98,25 @@ def read_solver(table: Table) -> SolverOptions:
     """Read `[solver]`; every key has a default."""
     known = ("tolerance", "tangent", "method", "predictor", "reduction", "max_steps", "max_seconds")
     table.expect_keys(known, later=("accuracy",))
-    table.word("method", ("newton",), "newton", later=("arclength",))
     defaults = SolverOptions()
     return SolverOptions(
         tolerance=table.number("tolerance", NUMBER, defaults.tolerance, TOLERANCE),
+        method=table.word("method", ("newton", "arclength"), defaults.method),
         tangent=table.word("tangent", ("analytic", "finite-difference"), defaults.tangent),
         predictor=table.word("predictor", ("auto", "none"), defaults.predictor),
         reduction=table.word("reduction", ("auto", "full"), defaults.reduction, later=("planar",)),
         max_steps=table.whole("max_steps", 1, MOST_STEPS, defaults.max_steps),
         max_seconds=table.number("max_seconds", TIME, defaults.max_seconds, SECONDS),
+    )
+
+
+def read_stability(table: Table) -> StabilityOptions:
+    """Read `[stability]`; every key has a default."""
+    table.expect_keys(("modes", "branch"))
+    defaults = StabilityOptions()
+    return StabilityOptions(
+        modes=table.whole("modes", 1, MOST_MODES, defaults.modes),
+        branch=table.word("branch", ("primary", "buckled"), defaults.branch),
     )
 
 

@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
     from scipy import sparse
 
+    from ancf.arclength import PathPoint
     from ancf.model import Model
     from ancf.newton import Iteration
     from ancf.rod_model import RodModel
     from ancf.scene import Scene
+    from ancf.stability import Stability
 
 Floats = NDArray[np.float64]
 
@@ -86,6 +88,8 @@ class Solution:
     seconds: dict[str, float]
     effects: dict[str, dict[str, float]]
     reductions: list[str] = field(default_factory=list)  # none in this version
+    path: list[PathPoint] = field(default_factory=list)  # equilibria on the way, where the path was followed
+    stability: Stability | None = None  # where the scene asks for it or the path was followed
 
     @cached_property
     def warnings(self) -> list[str]:
@@ -238,7 +242,7 @@ class Solution:
                 "strain_energy": self.strain_energy(name),
                 "reaction": {"force": force.tolist(), "moment": moment.tolist()},
             }
-        return {
+        result = {
             "schema": 1,
             "title": self.scene.title,
             "status": str(self.status),
@@ -257,6 +261,20 @@ class Solution:
             "unknowns": self.unknowns,
             "warnings": self.warnings,
             "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
+        }
+        if self.stability is not None:
+            result["stability"] = self.stability.as_dict()
+        if self.path:
+            result["path"] = [self._path_entry(point) for point in self.path]
+        return result
+
+    def _path_entry(self, point: PathPoint) -> dict[str, Any]:
+        tips = {rod.rod.name: rod.nodal(point.q)[-1, 0] + rod.rod.base.position for rod in self.model.rods}
+        return {
+            "arc": float(point.arc),
+            "load_factor": float(point.load_factor),
+            "negative_pivots": point.negative,
+            "tip": {name: tip.tolist() for name, tip in tips.items()},
         }
 
 

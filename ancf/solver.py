@@ -54,8 +54,16 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     model = prepare(scene)
     setup = time.perf_counter() - started
     trace = find_equilibrium(model, start)
-    total = time.perf_counter() - started
     counters = model.counters
+    stability = None
+    if scene.stability is not None or trace.followed is not None:
+        from ancf.scene import StabilityOptions
+        from ancf.stability import examine
+
+        options = scene.stability or StabilityOptions()
+        deadline = started + scene.solver.max_seconds
+        stability = examine(model, trace.q, trace.load_factor, trace.followed, options.modes, deadline)
+    total = time.perf_counter() - started
     message = None if trace.status is Status.CONVERGED else explain(model, trace)
     return Solution(
         scene=scene,
@@ -77,5 +85,7 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
             "assembly": sum(counters.seconds.values()),
             "linear_solve": counters.linear_solve,
         },
+        path=[] if trace.followed is None else trace.followed.points,
+        stability=stability,
         effects={n: {"calls": counters.calls[n], "seconds": counters.seconds[n]} for n in counters.calls},
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
 from ancf.predictor import load_start
 from ancf.solution import Status
+
+if TYPE_CHECKING:
+    from ancf.continuation import Followed
 
 Floats = NDArray[np.float64]
 
@@ -49,6 +53,7 @@ class Trace:
     rates: list[float] = field(default_factory=list)  # |dq / d load factor| at the equilibria of the walk
     budget_used: bool = False  # max_steps
     stable: bool | None = None  # the last equilibrium; None where it was not decided
+    followed: Followed | None = None  # the path, where it was followed
 
 
 def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
@@ -63,6 +68,9 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     trace = Trace(Status.NOT_CONVERGED, model.q0)
     if start is not None and _try_at_once(model, trace, start, deadline):
         return trace
+    stability = model.scene.stability
+    if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
+        return _follow(model, trace, deadline)
     if options.predictor == "auto":
         bent = load_start(model)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
@@ -114,6 +122,31 @@ def _is_stable(model: Model, result: NewtonResult) -> bool | None:
     if model.conservative:
         return model.system.is_positive_definite(result.flat)
     return False if result.lu.determinant_sign < 0 else None
+
+
+def _follow(model: Model, trace: Trace, deadline: float) -> Trace:
+    """The path through limit points, and onto the buckled branch where the scene asks for it."""
+    from ancf.continuation import follow
+
+    options, stability = model.scene.solver, model.scene.stability
+    buckled = stability is not None and stability.branch == "buckled"
+    path = trace.followed = follow(model, 1.0, options.max_steps, deadline, buckled)
+    last = path.points[-1]
+    trace.q, trace.load_factor = last.q, last.load_factor
+    trace.residual, trace.floor = last.residual, last.floor
+    trace.steps, trace.cutbacks = path.steps, trace.cutbacks + path.cutbacks
+    trace.history += path.history
+    trace.stable = last.negative == 0 if model.conservative else False if last.negative else None
+    if path.reached:
+        trace.status = Status.CONVERGED
+        return trace
+    trace.budget_used = path.out_of_steps
+    if path.failure is not None:
+        trace.failure, trace.tried = path.failure, path.failure.load_factor
+        trace.status = status_of_failure(model, trace, path.failure)
+    elif path.limit_point is not None:
+        trace.status = Status.LIMIT_POINT
+    return trace
 
 
 def _walk(model: Model, trace: Trace, deadline: float) -> Trace:

@@ -101,7 +101,7 @@ def test_a_converged_solution_says_how_far():
     assert [h.iteration for h in solution.history] == list(range(1, solution.iterations + 1))
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 def test_the_tolerance_is_used(tolerance):
     loose = ancf.solve(scene((0.0, 3.0 * EI, 0.0), tolerance=tolerance, predictor="none"))
     tight = ancf.solve(scene((0.0, 3.0 * EI, 0.0), predictor="none"))

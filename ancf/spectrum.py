@@ -1,0 +1,138 @@
+r"""Eigenvalues of the tangent: how many are negative, which are lowest, and how the rod moves in them.
+
+Unknowns of different kinds are compared as a mass matrix would do it: positions as they are, slopes along the
+axis by the element's length, slopes across it by the radius of gyration. With D that diagonal,
+
+    S = D B^T K B D / (E I/L^3)
+
+on the free unknowns is dimensionless; its lowest eigenvalues belong to bending and twisting of the whole
+rod, not to strains of a section.
+
+Counting needs no eigenvalue: the inertia of a block tridiagonal matrix is the sum of that of its pivots
+P_i = A_ii - A_i,i-1 P_i-1^-1 A_i-1,i (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eig, eigh
+
+from ancf.band import BandPattern
+
+if TYPE_CHECKING:
+    from scipy import sparse
+
+    from ancf.model import Model
+
+Floats = NDArray[np.float64]
+
+EXTRA = 6  # eigenvalues that Lanczos finds beyond those asked for
+REAL = 1e-9  # relative imaginary part that rounding leaves of a real eigenvalue
+DENSE = 600  # unknowns up to which a dense solver is faster than Lanczos
+
+
+def negative_eigenvalues(pattern: BandPattern, flat: Floats) -> int:
+    """Number of negative eigenvalues of a symmetric matrix in flat band storage; cost O(n b^2)."""
+    n, b = pattern.n, max(pattern.b, 1)
+    # Lower triangle by rows of blocks: the matrix is block tridiagonal in blocks of the half bandwidth.
+    rows = np.arange(b)
+    count, pivot = 0, np.empty((0, 0))
+    for start in range(0, n, b):
+        here = np.arange(start, min(start + b, n))
+        block = _entries(pattern, flat, here, here)
+        if start:
+            before = start - b + rows
+            coupling = _entries(pattern, flat, here, before)
+            block = block - coupling @ np.linalg.solve(pivot, coupling.T)
+        pivot = 0.5 * (block + block.T)
+        count += int(np.count_nonzero(np.linalg.eigvalsh(pivot) < 0.0))
+    return count
+
+
+def _entries(pattern: BandPattern, flat: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Floats:
+    """Dense block of a band matrix; zero outside the band."""
+    near = np.abs(rows[:, None] - columns) <= pattern.b
+    slots = pattern.slots(rows[:, None], columns)
+    return np.where(near, flat[np.where(near, slots, 0)], 0.0)
+
+
+class Spectrum:
+    """Scaled eigenproblem of one model."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        first = model.rods[0]
+        self._stiffness = first.bending_stiffness / first.rod.length**3
+        parts = []
+        for rod in model.rods:
+            h, radius = float(np.mean(rod.mesh.h)), rod.rod.section.radius_of_gyration
+            scale = [h ** -order[0] * radius ** -(order[1] + order[2]) for order in rod.element.vectors]
+            parts.append(np.tile(np.repeat(scale, 3), len(rod.q0)))
+        self._B: Any = model.boundary_matrix()
+        weight = np.abs(self._B)
+        # A support mixes components of one vector or of vectors of one kind.
+        self._D = (weight.T @ np.concatenate(parts)) / np.asarray(weight.sum(axis=0)).ravel()
+
+    def matrix(self, q: Floats, load_factor: float) -> sparse.csr_array:
+        """S (free, free); symmetric if the loads have a potential."""
+        from scipy import sparse
+
+        D: Any = sparse.diags_array(self._D / np.sqrt(self._stiffness))
+        return sparse.csr_array(D @ self.model.supported_tangent(q, load_factor) @ D)
+
+    def motion(self, phi: Floats) -> Floats:
+        """Coordinates (n,) or (n, k) [SI] of modes phi (free,) or (free, k)."""
+        column = (slice(None),) + (None,) * (phi.ndim - 1)
+        return self._B @ (self._D[column] * phi)
+
+    @property
+    def size(self) -> int:
+        """Number of eigenvalues."""
+        return len(self._D)
+
+    def lowest(
+        self, q: Floats, load_factor: float, count: int, held: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Lowest eigenvalues (k,), rising, and modes (n, k) [SI], across motions held (h, n) [SI].
+
+        For scenes whose loads have a potential.
+        """
+        S = self.matrix(q, load_factor)
+        S = 0.5 * (S + S.T)
+        n, count = self.size, min(count, self.size)
+        if n <= DENSE or held is not None:
+            dense = S.toarray()
+            if held is not None:
+                # Held motions go to the top of the spectrum.
+                basis, _ = np.linalg.qr((self._B.T @ held.T) / self._D[:, None])
+                across = np.eye(n) - basis @ basis.T
+                dense = across @ dense @ across + np.abs(dense).sum() * (basis @ basis.T)
+            f, phi = eigh(dense, subset_by_index=(0, count - 1))
+        else:
+            from scipy.sparse.linalg import eigsh
+
+            # Around zero: all that matter here, a few negative ones and the softest positive ones.
+            found: Any = eigsh(S, k=min(count + EXTRA, n - 1), sigma=0.0, v0=np.ones(n))
+            order = np.argsort(found[0])[:count]
+            f, phi = found[0][order], found[1][:, order]
+        return f, self.motion(phi)
+
+    def nearest_zero(self, q: Floats, load_factor: float) -> tuple[float, Floats]:
+        """Real eigenvalue of smallest magnitude and its mode (n,) [SI]; of any scene."""
+        S = self.matrix(q, load_factor)
+        n = S.shape[0]
+        if n <= DENSE:
+            found: Any = eig(S.toarray())
+        else:
+            from scipy.sparse.linalg import eigs
+
+            found = eigs(S, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n))
+        f, phi = np.asarray(found[0], complex), np.asarray(found[1], complex)
+        real = np.abs(f.imag) <= REAL * np.abs(f)
+        if not real.any():
+            return np.inf, np.zeros(len(q))
+        best = int(np.argmin(np.where(real, np.abs(f), np.inf)))
+        return float(f[best].real), self.motion(phi[:, best].real)
