@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ancf.arclength import PathPoint, path_from_reference
 from ancf.band import SingularMatrixError
 from ancf.critical import CriticalPoint, critical_points, turn_off
+from ancf.failure import LARGEST_TURN, largest_turn
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome
 
@@ -24,7 +25,8 @@ class Followed:
     """A path and what was met on it.
 
     reached: whether its last point has the load factor asked for; turned_off: whether it left the primary
-    branch; failure: the Newton iteration that ended it; out_of_steps: its budget did.
+    branch; failure: the Newton iteration that ended it; out_of_steps: its budget did; too_coarse: elements
+    that turn too much did, beyond which a critical point would be one of the mesh.
     """
 
     points: list[PathPoint] = field(default_factory=list)
@@ -35,6 +37,7 @@ class Followed:
     reached: bool = False
     turned_off: bool = False
     out_of_steps: bool = False
+    too_coarse: bool = False
     failure: NewtonResult | None = None
 
     @property
@@ -67,7 +70,7 @@ def follow(
     except ArithmeticError as error:
         singular = isinstance(error, SingularMatrixError)
         outcome = Outcome.SINGULAR if singular else Outcome.NOT_FINITE
-        found.failure = NewtonResult(outcome, model.q0, 0.0, np.inf)
+        found.failure = NewtonResult(outcome, model.q0, to, np.inf)
         found.points.append(PathPoint(0.0, 0.0, model.q0, 0, (np.zeros(model.n), 1.0)))
         return found
     found.points.append(path.points[0])
@@ -89,6 +92,9 @@ def follow(
                 path.retreat()
                 continue
         found.steps += 1
+        if first_critical and largest_turn(model, point.q) > LARGEST_TURN:
+            found.too_coarse = True
+            break
         met = list(critical_points(path))
         found.critical += met
         found.points += [c.point for c in met] + [point]

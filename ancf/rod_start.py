@@ -39,8 +39,12 @@ from ancf.scene import Scene
 
 Floats = NDArray[np.float64]
 
+MOST_DOWNHILL = (
+    300  # the same with a potential, when every step succeeds: away from an unstable shape it is slow
+)
 MAX_ITERATIONS = 100  # linear solves; five are usual, and one costs a tenth of one of the elements'
-CLOSE = 1e-6  # of E I/L: a start needs no more
+CLOSE = 1e-6  # of E I/L and of the first residual: a start needs no more
+NOTHING = 1e-12  # of E I/L: a first residual of rounding errors
 LARGEST_SPIN = 1.0  # rad by which one step may turn neighbours against each other
 EASED = 0.25  # share of the shift that the next step keeps
 BAND = 5  # half bandwidth of a tridiagonal matrix of 3 x 3 blocks
@@ -124,10 +128,13 @@ class Chain:
         Steps go downhill: the tangent is shifted until a step does positive work, by the trapezoidal rule
         over its ends. Loads need no potential for that; a large shift is a step of the overdamped motion.
         """
-        R, shift = start, 0.0
+        R, shift, raised = start, 0.0, False
         g, parts = self._residual(R, loads)
-        for _ in range(MAX_ITERATIONS):
-            if _size(g) <= CLOSE * self.unit:
+        first = _size(g)
+        # Relative to the load as well: on a column, the smallest push aside decides where it buckles.
+        close = CLOSE * min(first, self.unit) if first > NOTHING * self.unit else first
+        for _ in range(MOST_DOWNHILL if loads.dead_forces_only else MAX_ITERATIONS):
+            if _size(g) <= close:
                 chord, n = parts[2], parts[3]
                 return R, np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
             w = self._step(g, parts, loads, R, shift)
@@ -138,9 +145,11 @@ class Chain:
                 g_new, parts_new = self._residual(turned, loads)
                 if np.sum((g + g_new) * w) > 0.0:
                     R, g, parts = turned, g_new, parts_new
-                    shift = EASED * shift if shift > 0.1 * self.unit / len(g) else 0.0
+                    if not raised:
+                        shift = EASED * shift if shift > 0.1 * self.unit / len(g) else 0.0
+                    raised = False
                     continue
-            shift = max(shift / EASED, self.unit / len(g))
+            shift, raised = max(shift / EASED, self.unit / len(g)), True
         return None
 
     def _residual(self, R: Floats, loads: NodalLoads) -> tuple[Floats, tuple[Floats, ...]]:

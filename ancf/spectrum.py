@@ -14,6 +14,7 @@ P_i = A_ii - A_i,i-1 P_i-1^-1 A_i-1,i (Haynsworth 1968, Linear Algebra Appl. 1, 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,24 +116,25 @@ class Spectrum:
             from scipy.sparse.linalg import eigsh
 
             # Around zero: all that matter here, a few negative ones and the softest positive ones.
-            found: Any = eigsh(S, k=min(count + EXTRA, n - 1), sigma=0.0, v0=np.ones(n))
-            order = np.argsort(found[0])[:count]
-            f, phi = found[0][order], found[1][:, order]
+            lanczos: Any = eigsh  # returns pairs here, which its signature does not say
+            values, modes = lanczos(S, k=min(count + EXTRA, n - 1), sigma=0.0, v0=np.ones(n))
+            order = np.argsort(values)[:count]
+            f, phi = values[order], modes[:, order]
         return f, self.motion(phi)
 
     def nearest_zero(self, q: Floats, load_factor: float) -> tuple[float, Floats]:
         """Real eigenvalue of smallest magnitude and its mode (n,) [SI]; of any scene."""
-        S = self.matrix(q, load_factor)
-        n = S.shape[0]
+        S, n = self.matrix(q, load_factor), self.size
         if n <= DENSE:
-            found: Any = eig(S.toarray())
+            solver, arguments = eig, (S.toarray(),)
         else:
             from scipy.sparse.linalg import eigs
 
-            found = eigs(S, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n))
-        f, phi = np.asarray(found[0], complex), np.asarray(found[1], complex)
-        real = np.abs(f.imag) <= REAL * np.abs(f)
+            solver, arguments = partial(eigs, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n)), (S,)
+        pairs: Any = solver(*arguments)
+        values, modes = pairs
+        real = np.abs(np.imag(values)) <= REAL * np.abs(values)
         if not real.any():
             return np.inf, np.zeros(len(q))
-        best = int(np.argmin(np.where(real, np.abs(f), np.inf)))
-        return float(f[best].real), self.motion(phi[:, best].real)
+        best = int(np.argmin(np.where(real, np.abs(values), np.inf)))
+        return float(np.real(values[best])), self.motion(np.real(modes[:, best]))

@@ -87,7 +87,11 @@ def examine(
     _, flat = model.residual_and_tangent(q, load_factor)
     spectrum, notes = Spectrum(model), []
     if model.conservative:
-        pivots = negative_eigenvalues(model.pattern, model.system.supported(flat))
+        # On a branch that leads any way (a round column) one eigenvalue is zero: the path did not count it.
+        if followed is not None and followed.points[-1].q is q:
+            pivots = followed.points[-1].negative
+        else:
+            pivots = negative_eigenvalues(model.pattern, model.system.supported(flat))
     else:
         notes.append(NO_POTENTIAL)
         try:
@@ -95,7 +99,9 @@ def examine(
         except SingularMatrixError:
             pivots = 0
     critical = [] if followed is None else followed.critical
-    if not critical:
+    if not np.any(model.residual(model.q0).Q_ext):
+        notes.append("there is no load")
+    elif not critical:
         ahead = follow(model, FARTHEST, model.scene.solver.max_steps, deadline, first_critical=True)
         critical = ahead.critical[:1]
         if not critical:
@@ -110,6 +116,10 @@ def examine(
 
 def _why_none(ahead: Followed) -> str:
     last = ahead.points[-1].load_factor
+    if ahead.too_coarse:
+        return (
+            f"no critical load was found up to {last:.3g} times the loads; beyond, the elements are too long"
+        )
     if ahead.reached:
         return f"no critical load was found up to {last:.3g} times the loads"
     reason = "max_steps is used up" if ahead.out_of_steps else "no equilibrium was found beyond"

@@ -140,7 +140,7 @@ def _follow(model: Model, trace: Trace, deadline: float) -> Trace:
     if path.reached:
         trace.status = Status.CONVERGED
         return trace
-    trace.budget_used = path.out_of_steps
+    trace.budget_used, trace.tried = path.out_of_steps, 1.0
     if path.failure is not None:
         trace.failure, trace.tried = path.failure, path.failure.load_factor
         trace.status = status_of_failure(model, trace, path.failure)

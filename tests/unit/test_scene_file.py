@@ -226,7 +226,7 @@ REFUSED = [
     (scene(moment={"value": [0, 0, 1]}), "moment", "list of tables", "single table"),
     (scene(gravity=[{"acceleration": [0, 0, 1]}]), "gravity", "only one [gravity]", "is a list"),
     *[(scene(**{key: []}), key, "not in this version", "this version knows")
-      for key in ("tendon", "pressure", "contact", "joint", "stability")],
+      for key in ("tendon", "pressure", "contact", "joint")],
     ({"rod": [ROD, {**ROD, "name": "rod"}]}, "rod[1].name", 'Two rods are named "rod"', "rod[0]"),
     # rod
     *[(rod(**{key: None}), f"rod[0].{key}", f'"{key}" is missing', "only")
@@ -336,7 +336,12 @@ REFUSED = [
       "gravity": {"acceleration": [0, 0, -9.81]}}, "rod[0].material.density", "needs a density", 'rod "rod" has none'),
     # solver
     *[(scene(solver={"tolerance": value}), "solver.tolerance", "out of range", "inside (0, 1e-2]") for value in (0, 0.1, -1)],
-    (scene(solver={"method": "arclength"}), "solver.method", "not in this version", "newton"),
+    (scene(solver={"method": "arc"}), "solver.method", "method", "arc"),
+    (scene(stability={"modes": 0}), "stability.modes", "modes is out of range", "from 1 to 100"),
+    (scene(stability={"modes": 2.5}), "stability.modes", "modes", "2.5"),
+    (scene(stability={"branch": "buckle"}), "stability.branch", "branch", "buckle"),
+    (scene(stability={"mode": 3}), "stability.mode", "Unknown key", "modes, branch"),
+    (scene(stability=3), "stability", "must be a table", "3"),
     (scene(solver={"reduction": "planar"}), "solver.reduction", "not in this version", "auto | full"),
     (scene(solver={"accuracy": 1e-3}), "solver.accuracy", "not in this version", "tolerance"),
     (scene(solver={"max_steps": 0}), "solver.max_steps", "out of range", "from 1 to"),
