@@ -303,5 +303,4 @@ class Follower:
         if self.held is None:
             return negative_eigenvalues(self.model.pattern, self.model.system.supported(flat))
         # Along the held motions the tangent is singular; across them its eigenvalues are counted one by one.
-        f, _ = self.spectrum.lowest(q, load_factor, self.spectrum.size, self.held.motions)
-        return int(np.count_nonzero(f < 0.0))
+        return self.spectrum.negative_across(q, load_factor, self.held.motions)

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.linalg import eig, eigh
+from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
 from ancf.band import BandPattern
 
 if TYPE_CHECKING:
-    from scipy import sparse
-
     from ancf.model import Model
 
 Floats = NDArray[np.float64]
@@ -60,6 +60,19 @@ def _entries(pattern: BandPattern, flat: Floats, rows: NDArray[np.intp], columns
     return np.where(near, flat[np.where(near, slots, 0)], 0.0)
 
 
+def _inverse_across(S: sparse.csr_array, basis: Floats) -> LinearOperator:
+    """x -> S^-1 x across the columns of a basis (n, h), along which S may be singular: bordered by them."""
+    n, held = basis.shape
+    bordered: Any = sparse.block_array([[S, basis], [basis.T, None]]) if held else S
+    lu = splu(bordered.tocsc())
+
+    def solve(x: Floats) -> Floats:
+        return lu.solve(np.append(x.ravel(), np.zeros(held)))[:n]
+
+    operator: Any = LinearOperator  # its signature is that of a class it makes way for
+    return operator((n, n), matvec=solve, dtype=float)
+
+
 class Spectrum:
     """Scaled eigenproblem of one model."""
 
@@ -79,8 +92,6 @@ class Spectrum:
 
     def matrix(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """S (free, free); symmetric if the loads have a potential."""
-        from scipy import sparse
-
         D: Any = sparse.diags_array(self._D / np.sqrt(self._stiffness))
         return sparse.csr_array(D @ self.model.supported_tangent(q, load_factor) @ D)
 
@@ -104,23 +115,25 @@ class Spectrum:
         S = self.matrix(q, load_factor)
         S = 0.5 * (S + S.T)
         n, count = self.size, min(count, self.size)
-        if n <= DENSE or held is not None:
-            dense = S.toarray()
-            if held is not None:
-                # Held motions go to the top of the spectrum.
-                basis, _ = np.linalg.qr((self._B.T @ held.T) / self._D[:, None])
-                across = np.eye(n) - basis @ basis.T
-                dense = across @ dense @ across + np.abs(dense).sum() * (basis @ basis.T)
+        basis = np.empty((n, 0)) if held is None else np.linalg.qr((self._B.T @ held.T) / self._D[:, None])[0]
+        if n <= DENSE:
+            # Held motions go to the top of the spectrum.
+            across = np.eye(n) - basis @ basis.T
+            dense = across @ S.toarray() @ across + np.abs(S).sum() * (basis @ basis.T)
             f, phi = eigh(dense, subset_by_index=(0, count - 1))
         else:
-            from scipy.sparse.linalg import eigsh
-
             # Around zero: all that matter here, a few negative ones and the softest positive ones.
             lanczos: Any = eigsh  # returns pairs here, which its signature does not say
-            values, modes = lanczos(S, k=min(count + EXTRA, n - 1), sigma=0.0, v0=np.ones(n))
+            near, most = _inverse_across(S, basis), min(count + EXTRA, n - 1)
+            values, modes = lanczos(S, k=most, sigma=0.0, OPinv=near, v0=near @ np.ones(n))
             order = np.argsort(values)[:count]
             f, phi = values[order], modes[:, order]
         return f, self.motion(phi)
+
+    def negative_across(self, q: Floats, load_factor: float, held: Floats) -> int:
+        """Number of negative eigenvalues across held motions (h, n), up to `EXTRA` of a large model."""
+        count = self.size if self.size <= DENSE else EXTRA
+        return int(np.count_nonzero(self.lowest(q, load_factor, count, held)[0] < 0.0))
 
     def nearest_zero(self, q: Floats, load_factor: float) -> tuple[float, Floats]:
         """Real eigenvalue of smallest magnitude and its mode (n,) [SI]; of any scene."""
@@ -128,8 +141,6 @@ class Spectrum:
         if n <= DENSE:
             solver, arguments = eig, (S.toarray(),)
         else:
-            from scipy.sparse.linalg import eigs
-
             solver, arguments = partial(eigs, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n)), (S,)
         pairs: Any = solver(*arguments)
         values, modes = pairs
