@@ -120,7 +120,9 @@ def _write_vtu(path: Path, solution: Solution) -> bool:
         return False
     from ancf.surface import rod_surface
 
-    skins = [(number, part) for number, rod in enumerate(solution.scene.rods) for part in range(len(rod.parts))]
+    skins = [
+        (number, part) for number, rod in enumerate(solution.scene.rods) for part in range(len(rod.parts))
+    ]
     surfaces = [rod_surface(solution, solution.scene.rods[number].name, part) for number, part in skins]
     counts = [surface.position[..., 0].size for surface in surfaces]
     first = np.cumsum([0, *counts[:-1]])

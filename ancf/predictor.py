@@ -145,7 +145,7 @@ def _helices(rotations: Floats, x: Floats, carried: Floats, compliance: Floats) 
     """Fill in the section frames (n, 3, 3) of a straight rod with equal bending stiffnesses from the first.
 
     Where the moment M is constant, R(x) = Exp(M x / EI) R(0) Exp(psi x e_x) with psi = (1/GJ - 1/EI) M . t
-    and the constant axial part M . t of the moment: a helix. A new one begins where M or the compliance jumps.
+    and the constant axial part M . t of the moment: a helix. A new one begins where M or compliance jumps.
     """
     state = np.column_stack([carried, compliance[:, 0, 0], compliance[:, 1, 1]])
     starts = np.flatnonzero(np.any(np.diff(state, axis=0) != 0.0, axis=1)) + 1
@@ -174,7 +174,7 @@ def _turn(v: Floats) -> Floats:
 
 
 def _compliance(rod: RodModel) -> Floats:
-    """Curvature (twist, y, z) per moment in section axes, its mean between neighbouring nodes (n - 1, 3, 3)."""
+    """Curvature (twist, y, z) per moment in section axes, its mean between two nodes (n - 1, 3, 3)."""
     spans = len(rod.element.node_xi) - 1
     first, kind = rod.element_kinds
     xi, weight = gauss(COMPLIANCE_POINTS)

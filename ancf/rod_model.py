@@ -285,8 +285,8 @@ class RodModel:
     def bending_stiffness(self) -> float:
         """Smaller principal E I [N m2], the scale of forces, moments and energy.
 
-        Along a rod that changes its mean L / int dx/(E I), so that a couple M on the end turns it by M L/(E I)
-        as it would a plain rod: the unit of moments is the moment that turns the end by one radian.
+        Along a rod that changes its mean is L / int dx/(E I), so that a couple M on the end turns it by
+        M L/(E I) as it would a plain rod: the unit of moments is the one that turns the end by a radian.
         """
         rod = self.rod
         if not rod.segments:

@@ -47,8 +47,8 @@ class Rod:
     """One rod: geometry, section, material, element and supports.
 
     A plain rod is prismatic, and `segments` is empty. A rod of several segments, or a tapered one, comes from
-    `Rod.of_segments`: its `length` and `elements` are the sums, its `section` and `material` those at the base,
-    and they cannot be changed one by one. `parts`, `section_at` and `prismatic` serve both kinds.
+    `Rod.of_segments`: its `length` and `elements` are the sums, its `section` and `material` those at the
+    base, and they cannot be changed one by one. `parts`, `section_at` and `prismatic` serve both kinds.
     """
 
     name: str
@@ -75,8 +75,12 @@ class Rod:
 
     @classmethod
     def of_segments(cls, name: str, segments: tuple[Segment, ...], **others: Any) -> Rod:
-        """Rod of one segment after the other from its base; `others` are the further fields of `Rod`."""
-        return cls(name=name, segments=segments, **_totals(segments), **others)
+        """Rod of one segment after the other from its base; `others` are the further fields of `Rod`.
+
+        A single prismatic segment makes a plain rod.
+        """
+        plain = len(segments) == 1 and not segments[0].tapered
+        return cls(name=name, segments=() if plain else segments, **_totals(segments), **others)
 
     @cached_property
     def parts(self) -> tuple[Segment, ...]:

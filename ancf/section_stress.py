@@ -1,8 +1,8 @@
 """Strain and stress at points of a rod's sections, at the axial integration points.
 
-There a reduced axial rule is accurate; between them it is not. Everything is for one part of a rod (of a plain
-rod part 0, all of it), which has one material. Rows m run over the axial points of the part from its base to
-its end, n over the points (y, z) asked for: (n,) the same in every section, or (m, n).
+There a reduced axial rule is accurate; between them it is not. Everything is for one part of a rod, which has
+one material; part 0 is all of a plain rod. Rows m run over the axial points of the part from its base to its
+end, n over the points (y, z) asked for: (n,) the same in every section, or (m, n).
 
 Symbols
 -------

@@ -185,7 +185,8 @@ class Solution:
 
         x is the normal of the section, y and z lie in it (`section_axes`): with the axes A (3, 3) as columns
         the stress in SCS is A stress A^T. It is evaluated at the axial integration points and taken linearly
-        between and beyond them, where segments meet from the one with the larger section. What each law and formulation counts as stress: section_stress.py.
+        between and beyond them; where segments meet, those of the one with the larger section. What each law
+        and formulation counts as stress: section_stress.py.
 
         Parameters
         ----------

@@ -55,9 +55,14 @@ def validity_warnings(solution: Solution) -> list[str]:
             "a small lateral load leads to the stable branch"
         )
     if solution.residual > LARGEST_FLOOR:
+        cause = (
+            "the section forces of the stiffest or shortest segment have this error, the shape has not"
+            if any(rod.segments for rod in solution.scene.rods)
+            else "so close to 0.5 the Poisson ratio takes all digits; 0.4999 serves as incompressible"
+        )
         found.append(
-            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): so "
-            "close to 0.5 the Poisson ratio takes all digits; 0.4999 serves as incompressible"
+            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): "
+            + cause
         )
     for rod in solution.model.rods:
         strains = [_strain(solution, rod, part) for part in range(len(rod.rod.parts))]
@@ -115,8 +120,8 @@ def _profile(rod: RodModel) -> Iterator[str]:
     slope = max(part.slope for part in parts)
     if slope > STEEP:
         yield (
-            f"the skin of a tapered segment is inclined by {slope:.2g} (above {STEEP:g}): plane sections make a "
-            f"cone too stiff in bending by about the square of that, {slope**2:.1%}, at every mesh"
+            f"the skin of a tapered segment is inclined by {slope:.2g} (above {STEEP:g}): plane sections "
+            f"make it too stiff in bending by about the square of that, {slope**2:.1%}, at every mesh"
         )
     stiffness = [
         [part.material.young_modulus * section.area for section in (part.section, part.last_section)]
@@ -125,7 +130,7 @@ def _profile(rod: RodModel) -> Iterator[str]:
     jump = max((max(a[1] / b[0], b[0] / a[1]) for a, b in pairwise(stiffness)), default=1.0)
     if jump > STIFFNESS_JUMP and any(order[0] > 0 for order in element.vectors):
         yield (
-            f"known limit: the axial stiffness jumps by a factor of {jump:.3g} where two segments meet, and the "
+            f"known limit: axial stiffness jumps by a factor of {jump:.3g} where two segments meet, and the "
             f"strain of {element.name}, whose nodes carry r_x, cannot: stretching errs in proportion to the "
             "length of the elements there (bending does not); use 3333"
         )
@@ -153,9 +158,7 @@ def _law(rod: RodModel, strains: list[Floats]) -> Iterator[str]:
     laws = dict.fromkeys(type(part.material) for part in rod.rod.parts)
     for law in laws:
         of_law = [
-            strain
-            for part, strain in zip(rod.rod.parts, strains, strict=True)
-            if type(part.material) is law
+            strain for part, strain in zip(rod.rod.parts, strains, strict=True) if type(part.material) is law
         ]
         if law is SaintVenantKirchhoff:
             yield from _small_strain(rod, of_law)
