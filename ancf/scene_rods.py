@@ -44,7 +44,7 @@ MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is 
 LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
 LARGEST_FLOOR = 1e-2  # of E I / L^2: an equilibrium with an error of one percent is none
 # Among segments the rounding stays in the section forces of the stiffest and shortest, with the shape right
-# to 1e-5 L. Above 1 the iteration begins to lose it, from 10 it fails (stiff insert of 1e-4 h, L/R 100, 1000).
+# to 1e-5 L. Above 1 the iteration begins to lose it, from 10 it fails (stiff insert of 1e-4 h, L/R 100).
 LARGEST_SEGMENT_FLOOR = 1.0
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
@@ -203,7 +203,7 @@ def _supports(table: Table) -> tuple[Support, ...]:
 def _check_slenderness(table: Table, rod: Rod) -> None:
     """Refuse a rod so slender that float64 positions leave no digits of its residual (newton.py).
 
-    Positions are stored to eps L, which is a strain eps L/h in an element of length h, and a force E A eps L/h:
+    Positions are stored to eps L, a strain of eps L/h in an element of length h, and a force of E A eps L/h:
     10 eps n_el A L^2/I in units of E I/L^2 on a plain rod; the worst element counts on a rod of segments.
     """
     if rod.segments:

@@ -112,7 +112,7 @@ def _check_polygons(table: Table, start: Polygon, end: Polygon) -> None:
                 "section_end",
                 "The section breaks down along the taper.",
                 f"at {fraction:.3g} of the segment it {problem}",
-                "corners run straight to those of the same place in the other list; the lists are out of step",
+                "corners run straight to those of the same place in the other list, which is out of step",
                 "let both lists begin at the same corner and run counter-clockwise",
             )
 

@@ -146,8 +146,8 @@ def _flattening(rod: RodModel, places: _Places) -> Iterator[str]:
     if loss > SHAPE_LIMIT:
         yield (
             f"the tube would flatten: curvature {kappa[worst]:.3g} 1/m costs it about {loss:.1%} of its "
-            f"moment (Brazier; above {SHAPE_LIMIT:.0%}), which sections of {rod.element.name} cannot show; a tube "
-            "collapses when a third is lost"
+            f"moment (Brazier; above {SHAPE_LIMIT:.0%}), which sections of {rod.element.name} cannot show; "
+            "a tube collapses when a third is lost"
         )
 
 

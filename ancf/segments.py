@@ -1,10 +1,10 @@
 r"""Segments: what a rod is made of along its length, each piece with one material and one shape of section.
 
 The dimensions of a tapered segment (radius, semi-axes, sides, corners) run linearly from `section` to
-`section_end`. The nodal vectors r_y, r_z stay unit vectors, so (y, z) are metres in the section that is really
-there, and J_0 is that of a prismatic rod: a taper enters only through the section over which energy and weight
-are integrated. The inclination s of its skin does not enter: sections stay plane although the traction on an
-inclined skin asks for curved ones, which makes the rod too stiff in bending by about s^2 (`STEEP`).
+`section_end`. The nodal vectors r_y, r_z stay unit vectors, so (y, z) are metres in the section that is
+really there, and J_0 is that of a prismatic rod: a taper enters only through the section over which energy
+and weight are integrated. The inclination s of its skin does not enter: sections stay plane although an
+inclined skin without traction asks for curved ones, which makes the rod too stiff in bending by about s^2.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from ancf.sections import Polygon, Section
 Floats = NDArray[np.float64]
 
 # Wedge of half-angle a (slope s = tan a) under a couple, plane stress, exact (Timoshenko, Goodier, Theory of
-# Elasticity, 3rd ed., art. 38): s_r = 2 M sin 2t/(r^2 (sin 2a - 2 a cos 2a)). Its energy of s_r per length over
-# M^2/(2 E I(x)) is (8/3) tan^3 a (a - sin(4 a)/4)/(sin 2a - 2 a cos 2a)^2 = 1 + s^2 + O(s^4).
+# Elasticity, 3rd ed., art. 38): s_r = 2 M sin 2t/(r^2 (sin 2a - 2 a cos 2a)). The energy of s_r per length
+# over M^2/(2 E I(x)) is (8/3) tan^3 a (a - sin(4 a)/4)/(sin 2a - 2 a cos 2a)^2 = 1 + s^2 + O(s^4).
 STEEP = 0.1  # slope from which a warning is worth it: 1 % of bending stiffness
 # Points of the compliance integral: exact to 1e-6 at a taper of 10:1, where the integrand is 1/x^4.
 COMPLIANCE_POINTS = 24
@@ -46,7 +46,7 @@ def between(start: Section, end: Section, fraction: float) -> Section:
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of a rod: length [m], number of elements, section (at its end another, if tapered), material."""
+    """A piece of a rod: length [m], number of elements, section, material."""
 
     length: float
     elements: int
