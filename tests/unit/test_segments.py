@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 import ancf
 from ancf.elements import ELEMENTS
+from ancf.failure import smallest_determinant
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import rod_breaks
@@ -120,6 +121,9 @@ def test_equal_elements_share_their_data_across_equal_segments():
     first, kind = Model(Scene((Rod.of_segments("rod", segments),))).rods[0].element_kinds
     assert len(first) == 3
     assert list(kind[[0, 1]]) == list(kind[[4, 5]]) and len(set(kind[[0, 2, 6]])) == 3
+    tapers = (replace(alike, section_end=Circle(0.01)), replace(alike, section_end=Circle(0.03)), alike)
+    first, _ = Model(Scene((Rod.of_segments("rod", tapers),))).rods[0].element_kinds
+    assert len(first) == 5  # two of each taper and the prismatic ones, which begin with the same section
 
 
 # --- elastic kernel ----------------------------------------------------------------------------------------
@@ -314,6 +318,44 @@ def test_force_scale_turns_the_end_by_one_radian():
     assert Model(Scene((rod,))).rods[0].bending_stiffness == pytest.approx(1 / compliance, rel=1e-10)
 
 
+def test_force_scale_of_a_stepped_rod():
+    """L / (0.4/(E_1 I_1) + 0.6/(E_2 I_2)) with the weaker side of the rectangle 0.06 x 0.04."""
+    EI_1, EI_2 = E * np.pi * 0.05**4 / 4, 5 * E * 0.06 * 0.04**3 / 12
+    model = Model(Scene((rod_of("stepped"),)))
+    assert model.rods[0].bending_stiffness == pytest.approx(1 / (0.4 / EI_1 + 0.6 / EI_2), rel=1e-12)
+
+
+def test_section_weights_are_those_of_the_section_there():
+    """W_y = I_z e_y, W_z = I_y e_z: of the rectangle at the tip, of the circle at the base and the joint."""
+    arrays = Model(Scene((rod_of("stepped"),))).rods[0]
+    disc, plate = np.pi * 0.05**4 / 4, np.diag([0.0, 0.04 * 0.06**3 / 12, 0.06 * 0.04**3 / 12])
+    for node, expected in ((0, disc * np.diag([0, 1, 1])), (4, disc * np.diag([0, 1, 1])), (8, plate)):
+        np.testing.assert_allclose(arrays.node_weights[node], expected, atol=1e-12 * disc)
+    np.testing.assert_allclose(arrays.section_point(1.0).W, plate, atol=1e-12 * disc)
+
+
+def test_moment_start_contracts_by_the_ratio_of_each_material():
+    """r_yy = nu k_z e_y of Saint-Venant bending, k_z = M/(E I), in the middle of either half."""
+    pieces = Segment(0.5, 4, Circle(0.01), SVK), Segment(0.5, 4, Circle(0.01), STIFF)
+    M = 0.1 * E * np.pi * 0.01**4 / 4
+    moment = (Moment("rod", 1.0, np.array([0.0, 0.0, M])),)
+    model = Model(Scene((Rod.of_segments("rod", pieces, element="3363"),), moments=moment))
+    start = moment_start(model, 1.0)
+    assert start is not None
+    r_yy = model.rods[0].nodal(start)[:, 3]
+    np.testing.assert_allclose(np.linalg.norm(r_yy[[3, 12]], axis=1), [0.3 * 0.1, 0.1 * 0.1 / 5], rtol=1e-6)
+
+
+def test_an_element_turned_inside_out_is_found_beside_rubber():
+    """r_y of the first element reversed: det [r_x r_y r_z] = -1 there, where rubber is not asked."""
+    pieces = Segment(0.5, 2, Circle(0.05), SVK), Segment(0.5, 2, Circle(0.05), RUBBER)
+    model = Model(Scene((Rod.of_segments("rod", pieces),)))
+    q = model.rods[0].q0.copy()
+    q[:3, 1] *= -1.0
+    assert smallest_determinant(model, q.ravel()) == ("rod", 0, pytest.approx(-1.0))
+    assert not model.inside_out(q.ravel())  # rubber alone is undefined there
+
+
 # --- stress, strain, skin ----------------------------------------------------------------------------------
 
 
@@ -381,7 +423,7 @@ def test_only_nodal_r_x_is_warned_about_a_jump():
     pieces = (Segment(0.5, 4, Circle(0.02), SVK), Segment(0.5, 4, Circle(0.02), STIFF))
     assert any("jumps by a factor of 5 where" in text for text in warnings(pieces, element="3243"))
     assert warnings(pieces) == []
-    alike = tuple(replace(piece, material=SVK) for piece in pieces)
+    alike = replace(pieces[0], section=Circle(0.04), section_end=Circle(0.02)), pieces[0]
     assert not any("jumps" in text for text in warnings(alike, element="3243"))
 
 
