@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ancf.scene import Rod, Scene
+    from ancf.segments import Segment
     from ancf.solution import Solution
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
@@ -110,8 +111,11 @@ def check(
         console.print(
             f"  rod {rod.name}: {rod.length:g} m, {rod.elements} x {rod.element} {rod.formulation}, {held}"
         )
-        console.print(f"    {rod.section}")
-        console.print(f"    {law_name(rod.material)}: {_fields_text(rod.material)}")
+        for part in rod.parts:
+            taper = f" to {part.section_end}" if part.tapered else ""
+            piece = f"{part.length:g} m, {part.elements} elements: " if rod.segments else ""
+            console.print(f"    {piece}{part.section}{taper}")
+            console.print(f"    {law_name(part.material)}: {_fields_text(part.material)}")
     for name, records in _listed(loaded).items():
         for record in records:
             console.print(f"  {name}: {_fields_text(record)}")
@@ -223,18 +227,28 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
 
 def _describe(rod: Rod) -> dict[str, Any]:
     """Return what a rod is, in plain Python and SI units."""
-    from ancf.scene_materials import law_name
-
+    segments = [{"length": part.length, "elements": part.elements, **_made_of(part)} for part in rod.segments]
     return {
         "length": rod.length,
         "elements": rod.elements,
         "element": rod.element,
         "formulation": rod.formulation,
         "axial_rule": rod.axial_rule,
-        "section": {"shape": type(rod.section).__name__.lower(), **_fields(rod.section)},
-        "material": {"law": law_name(rod.material), **_fields(rod.material)},
+        **({"segments": segments} if segments else _made_of(rod.parts[0])),
         "supports": [{"at": support.at, "kind": support.kind} for support in rod.supports],
     }
+
+
+def _made_of(segment: Segment) -> dict[str, Any]:
+    """Section and material of a segment as a scene file writes them."""
+    from ancf.scene_materials import law_name
+
+    sections = {
+        "section": segment.section,
+        **({"section_end": segment.section_end} if segment.tapered else {}),
+    }
+    shapes = {key: {"shape": type(one).__name__.lower(), **_fields(one)} for key, one in sections.items()}
+    return {**shapes, "material": {"law": law_name(segment.material), **_fields(segment.material)}}
 
 
 def _fields(record: Any) -> dict[str, Any]:

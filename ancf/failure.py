@@ -142,21 +142,23 @@ def smallest_determinant(model: Model, q: Floats) -> tuple[str, int, float]:
     found = []
     for rod in model.rods:
         v, count = rod.generalised(q), len(rod.element.directors)
-        determinant = rod.elastic.section.smallest_volume(v)
-        if determinant is None:
-            linear = [count + k - 1 for k in (rod.element.y_director, rod.element.z_director)]
-            determinant = np.linalg.det(v[:, :, [0, *linear]])
+        linear = [count + k - 1 for k in (rod.element.y_director, rod.element.z_director)]
+        determinant = np.linalg.det(v[:, :, [0, *linear]])
+        smallest = rod.elastic.section.smallest_volume(v)
+        if smallest is not None:  # inf where the law does not need it
+            determinant = np.where(smallest == np.inf, determinant, smallest)
         worst = np.unravel_index(np.argmin(determinant), determinant.shape)
         found.append((rod.rod.name, int(worst[0]), float(determinant[worst])))
     return min(found, key=lambda entry: entry[2])
 
 
 def smallest_stretch(model: Model, q: Floats) -> float:
-    """Smallest axial stretch |r_x| at the axial points of the Saint Venant-Kirchhoff rods."""
+    """Smallest axial stretch |r_x| at the axial points that obey Saint Venant-Kirchhoff."""
     stretches = [
-        float(np.linalg.norm(rod.generalised(q)[:, :, 0], axis=-1).min())
+        float(np.linalg.norm(rod.generalised(q)[rod.elements_of(part), :, 0], axis=-1).min())
         for rod in model.rods
-        if isinstance(rod.rod.material, SaintVenantKirchhoff)
+        for part, segment in enumerate(rod.rod.parts)
+        if isinstance(segment.material, SaintVenantKirchhoff)
     ]
     return min(stretches, default=np.inf)
 

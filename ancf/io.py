@@ -120,7 +120,10 @@ def _write_vtu(path: Path, solution: Solution) -> bool:
         return False
     from ancf.surface import rod_surface
 
-    surfaces = [rod_surface(solution, rod.name) for rod in solution.scene.rods]
+    skins = [
+        (number, part) for number, rod in enumerate(solution.scene.rods) for part in range(len(rod.parts))
+    ]
+    surfaces = [rod_surface(solution, solution.scene.rods[number].name, part) for number, part in skins]
     counts = [surface.position[..., 0].size for surface in surfaces]
     first = np.cumsum([0, *counts[:-1]])
 
@@ -135,7 +138,7 @@ def _write_vtu(path: Path, solution: Solution) -> bool:
             "displacement": joined("displacement", 3),
             "strain": joined("strain", 9),
             "stress": joined("stress", 9),
-            "rod": np.repeat(np.arange(len(surfaces)), counts),
+            "rod": np.repeat([number for number, _ in skins], counts),
         },
     )
     mesh.write(path, file_format="vtu")

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from ancf.elements import Element
 from ancf.rotation import exp, hat
-from ancf.scene import Rod, Scene
+from ancf.scene import SAME_PLACE, Rod, Scene
+from ancf.segments import starts
 
 Floats = NDArray[np.float64]
-
-SAME_PLACE = 1e-9  # fractions of the length closer than this are one anchor
 
 
 @dataclass(frozen=True)
@@ -64,15 +63,28 @@ def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats
     return length * np.concatenate([*parts, [1.0]])
 
 
+def places_in_part(rod: Rod, part: int, places: list[float]) -> list[float]:
+    """Those of the places inside one part of a rod, not on its ends, as fractions of the part's length."""
+    first, last = rod.ends[part], rod.ends[part + 1]
+    inside = [at for at in places if first + SAME_PLACE < at < last - SAME_PLACE]
+    return [float((at - first) / (last - first)) for at in inside]
+
+
 def rod_breaks(scene: Scene, rod: Rod) -> Floats:
-    """Element boundaries (n_el + 1,) [m] of a rod: on its supports and, elements permitting, its loads."""
-    supports = [support.at for support in rod.supports]
+    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and, elements
+    of the segment permitting, its loads.
+    """
+    held = [support.at for support in rod.supports]
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    anchors = supports + [load.at for load in acting]
-    if len(distinct_places(anchors)) - 1 > rod.elements:
-        anchors = supports
-    return element_breaks(rod.length, rod.elements, anchors)
+    loaded = [load.at for load in acting]
+    breaks = []
+    for part, (segment, start) in enumerate(zip(rod.parts, starts(rod.parts)[:-1], strict=True)):
+        anchors = places_in_part(rod, part, held + loaded)
+        if len(distinct_places(anchors)) - 1 > segment.elements:
+            anchors = places_in_part(rod, part, held)
+        breaks.append((start + element_breaks(segment.length, segment.elements, anchors))[:-1])
+    return np.concatenate([*breaks, [rod.length]])
 
 
 def make_mesh(element: Element, breaks: Floats) -> Mesh:

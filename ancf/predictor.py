@@ -21,13 +21,16 @@ from numpy.typing import NDArray
 from ancf.elements import R_YY, R_YZ, R_ZZ, R
 from ancf.mesh import reference_axis
 from ancf.model import Model
+from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
-from ancf.rod_start import Chain, nodal_loads
+from ancf.rod_start import Chain, between_nodes, nodal_loads
 from ancf.rotation import exp, log
-from ancf.scene import Moment
+from ancf.scene import Moment, Rod
 
 Floats = NDArray[np.float64]
 
+# Gauss points of the mean compliance between two nodes of a tapered rod; it is a start value.
+COMPLIANCE_POINTS = 4
 # Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
 LARGEST_TURN = 1e3
 # Axial strains that a start may have: beyond them the law is far from linear, and Newton finds its way.
@@ -56,7 +59,7 @@ def load_start(model: Model) -> Floats | None:
             shape = next((shape for shape in shapes if shape is not None), None)
             if shape is not None:
                 frames, axial_force = shape
-                axial_strain = axial_force / (rod.rod.material.young_modulus * rod.rod.section.area)
+                axial_strain = axial_force / between_nodes(rod, lambda s, law: law.young_modulus * s.area)
         if frames is None:
             continue
         shape = _shape(rod, frames, axial_strain)
@@ -93,10 +96,9 @@ def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
         value = total[0]
         rotations[last] = A_o @ frame[0]
         for i in range(last - 1, -1, -1):
-            half = rotations[i + 1] @ _turn(
-                -0.5 * ramp[i] * (curvature + compliance @ (value @ rotations[i + 1]))
-            )
-            rotations[i] = rotations[i + 1] @ _turn(-ramp[i] * (curvature + compliance @ (value @ half)))
+            C = compliance[i]
+            half = rotations[i + 1] @ _turn(-0.5 * ramp[i] * (curvature + C @ (value @ rotations[i + 1])))
+            rotations[i] = rotations[i + 1] @ _turn(-ramp[i] * (curvature + C @ (value @ half)))
         turn = A_o @ rotations[0].T
         rotations[: last + 1] = turn @ rotations[: last + 1]
         for i in range(last, len(ramp)):
@@ -104,13 +106,14 @@ def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
     else:
         middle_x = 0.5 * (x[:-1] + x[1:])
         carried = (ends >= middle_x[:, None]).astype(float) @ total  # moment in each interval
-        bending = compliance[1:, 1:] - compliance[1, 1] * np.eye(2)
-        if not np.any(curvature) and np.max(np.abs(bending)) < 1e-12 * compliance[1, 1]:
+        about_y = compliance[:, 1, 1]
+        bending = np.abs(compliance[:, 1:, 1:] - about_y[:, None, None] * np.eye(2)).max(axis=(1, 2))
+        if not np.any(curvature) and np.all(bending < 1e-12 * about_y):
             _helices(rotations, x, carried, compliance)
         else:
-            for i, (length, value) in enumerate(zip(ramp, carried, strict=True)):
-                half = rotations[i] @ _turn(0.5 * length * (curvature + compliance @ (value @ rotations[i])))
-                rotations[i + 1] = rotations[i] @ _turn(length * (curvature + compliance @ (value @ half)))
+            for i, (length, value, C) in enumerate(zip(ramp, carried, compliance, strict=True)):
+                half = rotations[i] @ _turn(0.5 * length * (curvature + C @ (value @ rotations[i])))
+                rotations[i + 1] = rotations[i] @ _turn(length * (curvature + C @ (value @ half)))
     return rotations
 
 
@@ -121,7 +124,7 @@ def _chain(rod: RodModel) -> Chain:
     _, frame = reference_axis(x, rod.rod.curvature)
     return Chain(
         h=h,
-        C=np.tile(np.linalg.inv(_compliance(rod)), (len(h), 1, 1)).astype(float),
+        C=np.linalg.inv(_compliance(rod)).astype(float),
         k_0=np.asarray(rod.rod.curvature),
         R_0=rod.rod.base.rotation @ frame,
         held=_held_node(rod),
@@ -171,7 +174,9 @@ def _contract(rod: RodModel, q: Floats, rotations: Floats, bending: Floats) -> N
     """
     # Curvature jumps at point moments: a node takes the mean of its two intervals.
     k = 0.5 * (np.concatenate([bending[:1], bending]) + np.concatenate([bending, bending[-1:]]))
-    k *= rod.rod.material.poisson_ratio
+    ratios = np.array([segment.material.poisson_ratio for segment in rod.rod.parts])
+    nu = np.repeat(ratios[rod.part_of], len(rod.element.node_xi) - 1)
+    k *= 0.5 * (np.concatenate([nu[:1], nu]) + np.concatenate([nu, nu[-1:]]))[:, None]
     vectors = rod.element.vectors
     e_y, e_z = rotations[:, :, 1], rotations[:, :, 2]
     k_y, k_z = k[:, 1:2], k[:, 2:3]
@@ -184,13 +189,14 @@ def _helices(rotations: Floats, x: Floats, carried: Floats, compliance: Floats) 
     """Fill in the section frames (n, 3, 3) of a straight rod with equal bending stiffnesses from the first.
 
     Where the moment M is constant, R(x) = Exp(M x / EI) R(0) Exp(psi x e_x) with psi = (1/GJ - 1/EI) M . t
-    and the constant axial part M . t of the moment: a helix.
+    and the constant axial part M . t of the moment: a helix. A new one begins where M or compliance jumps.
     """
-    starts = np.flatnonzero(np.any(np.diff(carried, axis=0) != 0.0, axis=1)) + 1
+    state = np.column_stack([carried, compliance[:, 0, 0], compliance[:, 1, 1]])
+    starts = np.flatnonzero(np.any(np.diff(state, axis=0) != 0.0, axis=1)) + 1
     for a, b in zip([0, *starts], [*starts, len(carried)], strict=True):
-        M, distance = carried[a], (x[a : b + 1] - x[a])[:, None]
-        psi = (compliance[0, 0] - compliance[1, 1]) * (M @ rotations[a, :, 0])
-        bent = exp(distance * compliance[1, 1] * M) @ rotations[a]
+        M, C, distance = carried[a], compliance[a], (x[a : b + 1] - x[a])[:, None]
+        psi = (C[0, 0] - C[1, 1]) * (M @ rotations[a, :, 0])
+        bent = exp(distance * C[1, 1] * M) @ rotations[a]
         rotations[a : b + 1] = bent @ exp(distance * np.array([psi, 0.0, 0.0]))
 
 
@@ -212,11 +218,31 @@ def _turn(v: Floats) -> Floats:
 
 
 def _compliance(rod: RodModel) -> Floats:
-    """Inverse of diag-block(GJ, bending) in section axes (3, 3): curvature (twist, y, z) per moment."""
-    material, second = rod.rod.material, rod.rod.section.second_moments
+    """Curvature (twist, y, z) per moment in section axes, its mean between two nodes (n - 1, 3, 3)."""
+    spans = len(rod.element.node_xi) - 1
+    first, kind = rod.element_kinds
+    xi, weight = gauss(COMPLIANCE_POINTS)
+    edges = np.array(rod.element.node_xi)
+    found = np.empty((len(first), spans, 3, 3))
+    for row, index in enumerate(first):
+        material = rod.material_of(index)
+        for span in range(spans):
+            places = 0.5 * (edges[span] * (1.0 - xi) + edges[span + 1] * (1.0 + xi))
+            sections = [rod.section_in(index, float(s)) for s in places]
+            if all(section == sections[0] for section in sections):
+                found[row, span] = _section_compliance(rod.rod.prismatic(sections[0], material))
+                continue
+            each = [_section_compliance(rod.rod.prismatic(section, material)) for section in sections]
+            found[row, span] = 0.5 * np.tensordot(weight, each, axes=1)
+    return found[kind].reshape(-1, 3, 3)
+
+
+def _section_compliance(rod: Rod) -> Floats:
+    """Inverse of diag-block(GJ, bending) in section axes (3, 3) of a prismatic rod."""
+    material, second = rod.material, rod.section.second_moments
     stiffness = np.zeros((3, 3))
     # gamma_xy carries k_y and works on z, gamma_xz carries k_z and works on y.
-    k_y, k_z = rod.rod.shear_factors
+    k_y, k_z = rod.shear_factors
     stiffness[0, 0] = material.lame_mu * (k_y * second[1, 1] + k_z * second[0, 0])
     # Moment about y from curvature about y: E int z^2, coupling -E int y z.
     stiffness[1:, 1:] = material.young_modulus * np.array(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
+from ancf.hyperelastic import Law
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import Mesh, make_mesh, reference_axis, reference_nodes, rod_breaks
 from ancf.quadrature import gauss
@@ -28,7 +29,16 @@ from ancf.section_energy import (
     straight_reference,
     straight_section_stiffness,
 )
-from ancf.section_law import AlikeSections, QuadraticSection, QuadratureSection
+from ancf.section_law import (
+    AlikeSections,
+    ProjectedTerm,
+    QuadraticSection,
+    QuadraticTerm,
+    QuadratureSection,
+    Term,
+)
+from ancf.sections import Section
+from ancf.segments import starts
 from ancf.supports import NodeSupport, support_rows
 
 Floats = NDArray[np.float64]
@@ -97,15 +107,74 @@ class RodModel:
         return self.q0[self.mesh.nodes_of].reshape(len(self.mesh.nodes_of), -1, 3)
 
     @cached_property
-    def element_kinds(self) -> tuple[Indices, Indices]:
-        """One element of each length, and for every element the kind it belongs to.
+    def part_of(self) -> Indices:
+        """Which part of the rod (`Rod.parts`) each element belongs to (n_el,)."""
+        middle = 0.5 * (self.mesh.breaks[:-1] + self.mesh.breaks[1:])
+        return np.searchsorted(starts(self.rod.parts)[1:-1], middle, side="right")
 
-        Curvature is constant along a rod, so elements of one length are the same up to a rigid motion.
+    def elements_of(self, part: int) -> slice:
+        """The elements of a part of the rod."""
+        first, last = np.searchsorted(self.part_of, [part, part + 1])
+        return slice(int(first), int(last))
+
+    def material_of(self, element: int) -> Law:
+        """The material of an element."""
+        return self.rod.parts[self.part_of[element]].material
+
+    def section_in(self, element: int, xi: float) -> Section:
+        """The section of an element at xi, -1 to 1."""
+        part = int(self.part_of[element])
+        segment = self.rod.parts[part]
+        if not segment.tapered:
+            return segment.section
+        breaks = self.mesh.breaks[self.elements_of(part).start :]
+        here = element - self.elements_of(part).start
+        x = breaks[here] - breaks[0] + 0.5 * (breaks[here + 1] - breaks[here]) * (1.0 + xi)
+        return segment.section_at(float(x / segment.length))
+
+    def weights_at(self, xi: Floats, d0: Floats) -> Floats:
+        """Section-rotation weights (n_el, points, directors, 3) [m4] at xi (points,) of each element.
+
+        d0 : reference directors there, (n_el, points, directors, 3)
+        """
+        if not self.rod.segments:
+            return director_weights(self.element, self.rod.section, d0)
+        sections = [self.section_in(element, float(s)) for element in range(len(d0)) for s in xi]
+        return director_weights(self.element, sections, d0)
+
+    @cached_property
+    def node_weights(self) -> Floats:
+        """Section-rotation weights (n_nodes, directors, 3) [m4] at the nodes."""
+        columns = [self.element.vectors.index((0, j, k)) for j, k in self.element.directors]
+        rod, d0 = self.rod, self.q0[:, columns]
+        if not rod.segments:
+            return director_weights(self.element, rod.section, d0)
+        return director_weights(
+            self.element, [rod.section_at(float(x / rod.length)) for x in self.mesh.node_x], d0
+        )
+
+    @cached_property
+    def element_kinds(self) -> tuple[Indices, Indices]:
+        """One element of each kind, and for every element the kind it belongs to.
+
+        Alike are elements of one length, of one material, and with the same sections at their ends: the
+        curvature is constant along a rod, so they are the same up to a rigid motion.
         """
         # Lengths that differ by rounding only are equal: compare 12 digits.
         relative = np.round(self.mesh.h / self.rod.length, 12)
-        _, first, kind = np.unique(relative, return_index=True, return_inverse=True)
-        return first, kind
+        if not self.rod.segments:
+            _, first, kind = np.unique(relative, return_index=True, return_inverse=True)
+            return first, kind
+        labels: dict[tuple[Section, Section, Law], int] = {}
+        makes = [
+            labels.setdefault(
+                (self.section_in(i, -1.0), self.section_in(i, 1.0), self.material_of(i)), len(labels)
+            )
+            for i in range(len(relative))
+        ]
+        keys = np.column_stack([makes, relative])
+        _, first, kind = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        return first, kind.ravel()
 
     @cached_property
     def elastic(self) -> ElasticRod:
@@ -116,16 +185,23 @@ class RodModel:
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
         v0 = [shape @ _relative(self.element, self.e0[index]) for shape, index in zip(N, first, strict=True)]
-        if isinstance(self.rod.material, SaintVenantKirchhoff):
-            H = [[self._stiffness(v) for v in points] for points in v0]
+        if all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
+            H = [
+                [self._stiffness(self._local(index, s), v) for s, v in zip(xi, points, strict=True)]
+                for index, points in zip(first, v0, strict=True)
+            ]
             weight = self.axial_weights[first][..., None, None]
             section = QuadraticSection(_spread(weight * np.array(H), kind))
         else:
             section = QuadratureSection(self._groups(v0))
         return ElasticRod(_spread(N, kind), section, self.e0, columns)
 
-    def _stiffness(self, v0: Floats) -> Floats:
-        rod = self.rod
+    def _local(self, element: int, xi: float) -> Rod:
+        """The prismatic rod that an element is at xi."""
+        return self.rod.prismatic(self.section_in(element, xi), self.material_of(element))
+
+    def _stiffness(self, rod: Rod, v0: Floats) -> Floats:
+        """H of the (prismatic) rod at the reference generalised vectors v0."""
         if np.any(rod.curvature):
             return section_stiffness(self.element, rod, v0)
         assert isinstance(rod.material, SaintVenantKirchhoff)
@@ -134,19 +210,33 @@ class RodModel:
         )
 
     def _groups(self, v0: list[Floats]) -> tuple[AlikeSections, ...]:
-        """Alike sections: all of a straight rod, else one axial point of one kind of element."""
+        """Alike sections: of a straight rod all with one section and material, of a curved one besides one
+        axial point of one kind of element.
+        """
         weight = self.axial_weights.ravel()
         places = np.arange(len(weight)).reshape(self.axial_weights.shape)
-        if not np.any(self.rod.curvature):
-            terms = section_terms(self.element, self.rod, straight_reference(self.element))
-            return (AlikeSections(places.ravel(), weight, terms),)
-        _, kind = self.element_kinds
-        groups = []
-        for row, points in enumerate(v0):
+        first, kind = self.element_kinds
+        xi, _ = gauss(self.axial_points)
+        curved = bool(np.any(self.rod.curvature))
+        alike: dict[object, list[Indices]] = {}
+        makes: dict[object, tuple[Rod, Floats]] = {}
+        for row, (index, points) in enumerate(zip(first, v0, strict=True)):
             for point, v in enumerate(points):
-                alike = places[kind == row, point]
-                groups.append(AlikeSections(alike, weight[alike], section_terms(self.element, self.rod, v)))
+                rod = self._local(index, float(xi[point]))
+                key = (rod.section, rod.material, (row, point) if curved else None)
+                makes.setdefault(key, (rod, v if curved else straight_reference(self.element)))
+                alike.setdefault(key, []).append(places[kind == row, point])
+        groups = []
+        for key, (rod, v) in makes.items():
+            found = np.sort(np.concatenate(alike[key]))
+            groups.append(AlikeSections(found, weight[found], self._terms(rod, v)))
         return tuple(groups)
+
+    def _terms(self, rod: Rod, v0: Floats) -> tuple[Term | ProjectedTerm | QuadraticTerm, ...]:
+        """Energy of the sections of the (prismatic) rod at the reference generalised vectors v0."""
+        if isinstance(rod.material, SaintVenantKirchhoff):
+            return (QuadraticTerm(self._stiffness(rod, v0)),)
+        return section_terms(self.element, rod, v0)
 
     def section_point(self, at: float, before: bool = False) -> SectionPoint:
         """The section at the fraction `at` of the reference length.
@@ -164,7 +254,7 @@ class RodModel:
         N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
         d0 = N @ self.e0[index]
         return SectionPoint(
-            self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section, d0)
+            self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
         )
 
     def node_supports(self) -> list[NodeSupport]:
@@ -193,8 +283,15 @@ class RodModel:
 
     @property
     def bending_stiffness(self) -> float:
-        """Smaller principal E I [N m2], the scale of forces, moments and energy."""
-        return self.rod.material.young_modulus * self.rod.section.weaker_second_moment
+        """Smaller principal E I [N m2], the scale of forces, moments and energy.
+
+        Along a rod that changes its mean is L / int dx/(E I), so that a couple M on the end turns it by
+        M L/(E I) as it would a plain rod: the unit of moments is the one that turns the end by a radian.
+        """
+        rod = self.rod
+        if not rod.segments:
+            return rod.material.young_modulus * rod.section.weaker_second_moment
+        return rod.length / sum(segment.bending_compliance for segment in rod.parts)
 
 
 def _spread(values: Floats, kind: Indices) -> Floats:

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from ancf.elements import R
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, log, section_rotation
-from ancf.section_energy import director_weights
 
 Floats = NDArray[np.float64]
 
@@ -45,8 +44,7 @@ def node_rotations(model: RodModel, q: Floats) -> Floats:
     """Section rotations (n_nodes, 3, 3) relative to the reference at the nodes of q (n_nodes, vectors, 3)."""
     element = model.element
     columns = [element.vectors.index((0, j, k)) for j, k in element.directors]
-    W = director_weights(element, model.rod.section, model.q0[:, columns])
-    return section_rotation(q[:, columns], W).R
+    return section_rotation(q[:, columns], model.node_weights).R
 
 
 def to_local(model: RodModel, q: Floats) -> LocalShape:

@@ -25,6 +25,7 @@ F, M         force and moment (m + 1, 3) on the nodes
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -33,9 +34,11 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solve_banded
 
 from ancf.elements import R_Y, R_Z
+from ancf.hyperelastic import Law
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, hat, log
 from ancf.scene import Scene
+from ancf.sections import Section
 
 Floats = NDArray[np.float64]
 
@@ -102,9 +105,24 @@ def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
         if load.rod == name:
             target = force if load.direction == "fixed" else turning_force
             target += span * load.value
-    if scene.gravity is not None and rod.rod.material.density is not None:
-        force += span * rod.rod.section.area * rod.rod.material.density * scene.gravity.acceleration
+    if scene.gravity is not None:
+        weight = half * between_nodes(rod, lambda section, law: (law.density or 0.0) * section.area)
+        force += (np.append(weight, 0.0) + np.insert(weight, 0, 0.0))[:, None] * scene.gravity.acceleration
     return NodalLoads(force, moment, turning_force, turning_moment, levers)
+
+
+def between_nodes(rod: RodModel, value: Callable[[Section, Law], float]) -> Floats:
+    """A value of section and material in the middle between neighbouring nodes (n_nodes - 1,)."""
+    edges = np.array(rod.element.node_xi)
+    first, kind = rod.element_kinds
+    found = [
+        [
+            value(rod.section_in(index, float(xi)), rod.material_of(index))
+            for xi in 0.5 * (edges[:-1] + edges[1:])
+        ]
+        for index in first
+    ]
+    return np.array(found)[kind].ravel()
 
 
 def _nearest(x: Floats, at: float) -> int:

@@ -11,7 +11,9 @@ BCS  body coordinate system of one rod: x along the rod at its base, y and z in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,9 @@ from numpy.typing import NDArray
 from ancf.elements import ELEMENTS
 from ancf.hyperelastic import Law
 from ancf.sections import Section
+from ancf.segments import Segment, starts
+
+SAME_PLACE = 1e-9  # fractions of the length closer than this are one place
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +44,12 @@ class Support:
 
 @dataclass(frozen=True, eq=False)
 class Rod:
-    """One prismatic rod: geometry, section, material, element and supports."""
+    """One rod: geometry, section, material, element and supports.
+
+    A plain rod is prismatic, and `segments` is empty. A rod of several segments, or a tapered one, comes from
+    `Rod.of_segments`: its `length` and `elements` are the sums, its `section` and `material` those at the
+    base, and they cannot be changed one by one. `parts`, `section_at` and `prismatic` serve both kinds.
+    """
 
     name: str
     length: float  # m
@@ -55,10 +65,72 @@ class Rod:
         default_factory=lambda: np.zeros(3)
     )  # 1/m, twist, about y, about z
     shear_factors: tuple[float, float] = (1.0, 1.0)  # k_y, k_z
+    segments: tuple[Segment, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.formulation:
             object.__setattr__(self, "formulation", ELEMENTS[self.element].formulations[0])
+        if self.segments and _totals(self.segments) != {name: getattr(self, name) for name in _TOTALS}:
+            raise ValueError(f"rod {self.name!r}: {', '.join(_TOTALS)} do not belong to its segments")
+
+    @classmethod
+    def of_segments(cls, name: str, segments: tuple[Segment, ...], **others: Any) -> Rod:
+        """Rod of one segment after the other from its base; `others` are the further fields of `Rod`.
+
+        A single prismatic segment makes a plain rod.
+        """
+        plain = len(segments) == 1 and not segments[0].tapered
+        return cls(name=name, segments=() if plain else segments, **_totals(segments), **others)
+
+    @cached_property
+    def parts(self) -> tuple[Segment, ...]:
+        """The segments, of a plain rod the one that it is."""
+        return self.segments or (Segment(self.length, self.elements, self.section, self.material),)
+
+    @cached_property
+    def ends(self) -> NDArray[np.float64]:
+        """Fractions of the length (n + 1,) between which the parts lie, from 0 to 1."""
+        fractions = starts(self.parts) / self.length
+        fractions[-1] = 1.0
+        return fractions
+
+    def part_at(self, at: float) -> int:
+        """Which part the section at a fraction of the length belongs to: at a joint the larger of the two.
+
+        The larger one has the face on which a load at the joint can act; read from the other end it is the
+        same one.
+        """
+        after = int(np.clip(np.searchsorted(self.ends, at, side="right") - 1, 0, len(self.parts) - 1))
+        here = {after}
+        if at - self.ends[after] <= SAME_PLACE:
+            here.add(max(after - 1, 0))
+        if self.ends[after + 1] - at <= SAME_PLACE:
+            here.add(min(after + 1, len(self.parts) - 1))
+        return max(sorted(here), key=lambda part: self._section_in(part, at).area)
+
+    def section_at(self, at: float) -> Section:
+        """The section at a fraction of the length; at a joint of two parts the larger one."""
+        return self._section_in(self.part_at(at), at) if self.segments else self.section
+
+    def _section_in(self, part: int, at: float) -> Section:
+        """The section of a part at a fraction of the rod's length."""
+        first, last = self.ends[part], self.ends[part + 1]
+        return self.parts[part].section_at(float((at - first) / (last - first)))
+
+    def prismatic(self, section: Section, material: Law) -> Rod:
+        """The plain rod that has this section and material all along: what the kernels see at one place."""
+        return replace(self, section=section, material=material, segments=()) if self.segments else self
+
+
+_TOTALS = ("length", "elements", "section", "material")
+
+
+def _totals(segments: tuple[Segment, ...]) -> dict[str, Any]:
+    """Length and elements of all segments; section and material at the base."""
+    first = segments[0]
+    elements = sum(segment.elements for segment in segments)
+    values = (float(starts(segments)[-1]), elements, first.section, first.material)
+    return dict(zip(_TOTALS, values, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

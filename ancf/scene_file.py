@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ancf.errors import Message, SceneError
-from ancf.mesh import distinct_places, rod_breaks
+from ancf.mesh import distinct_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
 from ancf.scene_loads import (
     read_force,
@@ -102,7 +102,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "The scene has no rod.",
             "no [[rod]] table",
             "a scene needs at least one rod to simulate",
-            "add a [[rod]] table with length, elements, section and material",
+            "add a [[rod]] table with length, elements, section and material, or with segments",
         )
     rods = tuple(read_rod(entry, index) for index, entry in enumerate(entries))
     _check_names(entries, rods)
@@ -161,15 +161,17 @@ def _check_names(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
 
 def _check_pieces(entry: Table, rod: Rod) -> None:
     """Refuse fewer elements than there are pieces between supports: each stands on an element boundary."""
-    pieces = len(distinct_places([support.at for support in rod.supports])) - 1
-    if pieces > rod.elements:
-        entry.refuse(
-            "elements",
-            "There are fewer elements than pieces between supports.",
-            f"elements = {rod.elements}, pieces = {pieces}",
-            "every support stands on an element boundary",
-            f"take elements >= {pieces}",
-        )
+    held = [support.at for support in rod.supports]
+    for part, segment in enumerate(rod.parts):
+        pieces = len(distinct_places(places_in_part(rod, part, held))) - 1
+        if pieces > segment.elements:
+            entry.refuse(
+                f"segments[{part}].elements" if rod.segments else "elements",
+                "There are fewer elements than pieces between supports.",
+                f"elements = {segment.elements}, pieces = {pieces}",
+                "every support stands on an element boundary",
+                f"take elements >= {pieces}",
+            )
 
 
 def _check_turn(entry: Table, rod: Rod, longest: float) -> None:

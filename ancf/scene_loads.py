@@ -47,20 +47,22 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
     """Read one `[[force]]`; its point of action is the axis or a point of the section."""
     table.expect_keys(("rod", "at", "offset", "value", "frame", "direction"))
     rod = _rod_of(table, rods)
+    at = table.number("at", NUMBER, 1.0, FRACTION)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
+    section = rod.section_at(at)
     # The axis itself may be loaded in a hollow section too: a plug or a clamp carries it there.
-    if any(offset) and not rod.section.contains(*offset):
+    if any(offset) and not section.contains(*offset):
         table.refuse(
             "offset",
             "The force acts outside the section.",
-            f"offset = [{offset[0]:g}, {offset[1]:g}] m is no point of {type(rod.section).__name__.lower()},"
-            f" which reaches {rod.section.outer_radius:.4g} m",
+            f"offset = [{offset[0]:g}, {offset[1]:g}] m is no point of {type(section).__name__.lower()},"
+            f" which reaches {section.outer_radius:.4g} m",
             "offset is measured from the axis in metres, or the wrong rod is named",
             "move the point into the section, or replace the lever by a [[moment]]",
         )
     return Force(
         rod=rod.name,
-        at=table.number("at", NUMBER, 1.0, FRACTION),
+        at=at,
         value=_value(table, rod, FORCE),
         offset=offset,
         direction=table.word("direction", DIRECTIONS, "fixed"),
@@ -83,11 +85,14 @@ def read_gravity(table: Table, rods: Sequence[Rod], source: str) -> Gravity:
     table.expect_keys(("acceleration",))
     acceleration = table.vector("acceleration", 3, ACCELERATION)
     for i, rod in enumerate(rods):
-        if rod.material.density is None:
-            Table({}, source, f"rod[{i}].material").refuse(
+        for j, part in enumerate(rod.parts):
+            if part.material.density is not None:
+                continue
+            place = f"rod[{i}].segments[{j}].material" if rod.segments else f"rod[{i}].material"
+            Table({}, source, place).refuse(
                 "density",
                 "Gravity needs a density.",
-                f'rod "{rod.name}" has none',
+                f'rod "{rod.name}" has none' + (" there" if rod.segments else ""),
                 "the scene lists [gravity], which pulls on every rod",
                 "add density = ... [kg/m^3] to its material, or remove [gravity]",
             )

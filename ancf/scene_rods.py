@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS
 from ancf.mesh import reference_axis
-from ancf.scene import Frame, Rod, Support
+from ancf.scene import SAME_PLACE, Frame, Rod, Support
 from ancf.scene_materials import read_material
 from ancf.scene_sections import read_section
+from ancf.scene_segments import read_segments
 from ancf.scene_table import FRACTION, SIGNED, SIZE, Limit, Table, show
+from ancf.segments import Segment
 from ancf.units import CURVATURE, LENGTH, NUMBER
 
 Floats = NDArray[np.float64]
@@ -24,6 +26,7 @@ ROD_KEYS = (
     "name",
     "length",
     "elements",
+    "segments",
     "element",
     "formulation",
     "axial_rule",
@@ -38,25 +41,23 @@ LATER_ELEMENTS = ("3343", "cable")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
-SAME_PLACE = 1e-9  # of the length; two supports closer than this hold the same section
 LEAST_ANGLE = 1e-6  # rad between x_axis and y_axis; below it half of the digits of z = x cross y are lost
 LARGEST_FLOOR = 1e-2  # of E I / L^2: an equilibrium with an error of one percent is none
+# Among segments the rounding stays in the section forces of the stiffest and shortest, with the shape right
+# to 1e-5 L. Above 1 the iteration begins to lose it, from 10 it fails (stiff insert of 1e-4 h, L/R 100).
+LARGEST_SEGMENT_FLOOR = 1.0
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
 
 def read_rod(table: Table, index: int) -> Rod:
     """Read one `[[rod]]` table; rods without a name are called "rod", "rod2", ... by their place."""
-    table.expect_keys(ROD_KEYS, later=("segments",))
-    length = table.number("length", LENGTH, limit=SIZE)
-    section = read_section(table.table("section"))
+    table.expect_keys(ROD_KEYS)
+    segments = read_segments(table, MOST_ELEMENTS) if "segments" in table.data else (_whole(table),)
     element = table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS)
     formulation = _formulation(table, element)
-    rod = Rod(
-        name=_name(table, "rod" if index == 0 else f"rod{index + 1}"),
-        length=length,
-        elements=table.whole("elements", 1, MOST_ELEMENTS),
-        section=section,
-        material=read_material(table.table("material")),
+    rod = Rod.of_segments(
+        _name(table, "rod" if index == 0 else f"rod{index + 1}"),
+        segments,
         element=element,
         formulation=formulation,
         axial_rule=_axial_rule(table),
@@ -69,6 +70,16 @@ def read_rod(table: Table, index: int) -> Rod:
     _check_curvature(table, rod)
     _check_rigid_motion(table, rod)
     return rod
+
+
+def _whole(table: Table) -> Segment:
+    """Read a rod without segments, which is one."""
+    return Segment(
+        length=table.number("length", LENGTH, limit=SIZE),
+        section=read_section(table.table("section")),
+        elements=table.whole("elements", 1, MOST_ELEMENTS),
+        material=read_material(table.table("material")),
+    )
 
 
 def _name(table: Table, default: str) -> str:
@@ -190,7 +201,14 @@ def _supports(table: Table) -> tuple[Support, ...]:
 
 
 def _check_slenderness(table: Table, rod: Rod) -> None:
-    """Refuse a rod so slender that float64 positions leave no digits of its residual (newton.py)."""
+    """Refuse a rod so slender that float64 positions leave no digits of its residual (newton.py).
+
+    Positions are stored to eps L, a strain of eps L/h in an element of length h, and a force of E A eps L/h:
+    10 eps n_el A L^2/I in units of E I/L^2 on a plain rod; the worst element counts on a rod of segments.
+    """
+    if rod.segments:
+        _check_segments(table, rod)
+        return
     slenderness = rod.length / rod.section.radius_of_gyration
     floor = 10.0 * float(np.finfo(float).eps) * rod.elements * slenderness**2
     if floor > LARGEST_FLOOR:
@@ -204,16 +222,40 @@ def _check_slenderness(table: Table, rod: Rod) -> None:
         )
 
 
+def _check_segments(table: Table, rod: Rod) -> None:
+    """`_check_slenderness` of a rod of segments: its stiffest, shortest elements against its bending."""
+    bending = rod.length / sum(part.bending_compliance for part in rod.parts)
+    noise = [
+        part.material.young_modulus
+        * max(part.section.area, part.last_section.area)
+        * part.elements
+        / part.length
+        for part in rod.parts
+    ]
+    worst = int(np.argmax(noise))
+    floor = 10.0 * float(np.finfo(float).eps) * noise[worst] * rod.length**3 / bending
+    if not floor <= LARGEST_SEGMENT_FLOOR:
+        table.refuse(
+            f"segments[{worst}]",
+            "The segments differ too much for double precision.",
+            f"E A / (element length) here against E I / L^3 = {bending / rod.length**3:.3g} N/m of the rod"
+            f" leaves a residual of {floor:.2g}, must be <= {LARGEST_SEGMENT_FLOOR:g}",
+            "a very stiff or finely meshed segment on a very slender or soft rod, or another unit",
+            "take fewer elements here, bring the moduli nearer to each other, or check all sizes [m]",
+        )
+
+
 def _check_curvature(table: Table, rod: Rod) -> None:
     """Refuse a stress-free curvature that folds the section (det J_0 <= 0)."""
     # x = 0 is representative: the curvature is constant in section axes, so det J_0 = 1 + k_y z - k_z y.
     bending = math.hypot(rod.curvature[1], rod.curvature[2])
-    reach = bending * rod.section.outer_radius
+    radius = max(section.outer_radius for part in rod.parts for section in (part.section, part.last_section))
+    reach = bending * radius
     if reach >= 1.0:
         table.refuse(
             "curvature",
             "The rod is bent more sharply than its section is thick.",
-            f"curvature {bending:g} 1/m x outer radius {rod.section.outer_radius:g} m = {reach:.3g} >= 1",
+            f"curvature {bending:g} 1/m x outer radius {radius:g} m = {reach:.3g} >= 1",
             "material on the inside would lie beyond the centre of curvature (det J_0 <= 0)",
             "reduce the curvature [1/m] or the section",
         )

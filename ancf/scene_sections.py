@@ -27,19 +27,21 @@ def read_section(table: Table) -> Section:
     shape = table.word("shape", tuple(SECTION_KEYS))
     table.expect_keys(("shape", *SECTION_KEYS[shape]))
     section = _polygon(table) if shape == "polygon" else _plain_shape(table, shape)
-    # Gyration radius of the weaker axis against the outer radius; squares of it divide in the solver.
-    thinness = (
-        float(np.sqrt(np.linalg.eigvalsh(section.second_moments)[0] / section.area)) / section.outer_radius
-    )
-    if not thinness >= THINNEST:
+    thin = thinness(section)
+    if not thin >= THINNEST:
         table.refuse(
             "",
             "The section is too thin to compute with.",
-            f"radius of gyration / outer radius = {thinness:.3g}, must be >= {THINNEST:g}",
+            f"radius of gyration / outer radius = {thin:.3g}, must be >= {THINNEST:g}",
             "one side is given in the wrong unit",
             "check the two sides of the section [m]",
         )
     return section
+
+
+def thinness(section: Section) -> float:
+    """Gyration radius of the weaker axis against the outer radius; squares of it divide in the solver."""
+    return float(np.sqrt(np.linalg.eigvalsh(section.second_moments)[0] / section.area)) / section.outer_radius
 
 
 def _plain_shape(table: Table, shape: str) -> Section:
@@ -84,7 +86,7 @@ def _polygon(table: Table) -> Polygon:
             "all corners lie on one line",
             advice,
         )
-    crossing = _crossing_edges(scaled / size)
+    crossing = crossing_edges(scaled / size)
     if crossing:
         first, second = crossing
         table.refuse(
@@ -105,7 +107,7 @@ def _polygon(table: Table) -> Polygon:
     return Polygon(tuple((float(y), float(z)) for y, z in points))
 
 
-def _crossing_edges(points: Floats) -> tuple[int, int] | None:
+def crossing_edges(points: Floats) -> tuple[int, int] | None:
     """Return two edges that meet elsewhere than in a shared corner, or None for a simple polygon.
 
     Only edges without a shared corner are compared: where an edge runs back over its neighbour, its end,

@@ -30,6 +30,7 @@ B    (6, pairs) strain-displacement matrix in section axes, Voigt order of mater
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -241,14 +242,19 @@ def _integrate(element: Element, v0: Floats, rule: Rule, D: Floats) -> Floats:
     return np.einsum("n,nap,ab,nbq->pq", weight * np.linalg.det(J_l), B, D, B, optimize=True)
 
 
-def director_weights(element: Element, section: Section, d0: Floats) -> Floats:
+def director_weights(element: Element, section: Section | Sequence[Section], d0: Floats) -> Floats:
     """Weights W (..., directors, 3) [m4] of the section rotation: W_k = sum_b (int phi_k s_b dA) E_b.
 
-    d0 (..., directors, 3) are the reference directors, whose (1, 0) and (0, 1) rows are E_y and E_z.
+    Parameters
+    ----------
+    section : the section of all places, or a section for each of the n places in order
+    d0 : (..., directors, 3) reference directors, whose (1, 0) and (0, 1) rows are E_y and E_z
     """
-    moments = _section_moments(element, section)
     E = d0[..., [element.y_director, element.z_director], :]
-    return np.einsum("kb,...bi->...ki", moments, E)
+    if isinstance(section, Section):
+        return np.einsum("kb,...bi->...ki", _section_moments(element, section), E)
+    moments = np.array([_section_moments(element, one) for one in section])
+    return np.einsum("nkb,nbi->nki", moments, E.reshape(-1, *E.shape[-2:])).reshape(d0.shape)
 
 
 def force_weights(element: Element, section: Section, y: float, z: float) -> Floats:

@@ -50,7 +50,9 @@ class SectionLaw(Protocol):
         ...
 
     def smallest_volume(self, v: Floats) -> Floats | None:
-        """Smallest det F of each section (n_el, points); None for a law that is finite whatever it is."""
+        """Smallest det F of each section (n_el, points); None, or inf at a section, where the law is finite
+        whatever it is.
+        """
         ...
 
 
@@ -214,12 +216,37 @@ class ProjectedTerm:
 
 
 @dataclass(frozen=True)
+class QuadraticTerm:
+    """U = 1/2 gamma^T H gamma with one H (pairs, pairs) per length: Saint Venant-Kirchhoff in a rod that has
+    rubber as well.
+    """
+
+    H: Floats
+
+    def energy(self, gamma: Floats) -> Floats:
+        """Energy per length (m,) [J/m]."""
+        return 0.5 * np.sum(gamma * self.resultants(gamma), axis=-1)
+
+    def resultants(self, gamma: Floats) -> Floats:
+        """T per length (m, pairs)."""
+        return gamma @ self.H
+
+    def response(self, gamma: Floats) -> tuple[Floats, Floats]:
+        """T (m, pairs) and H (m, pairs, pairs) per length."""
+        return self.resultants(gamma), np.broadcast_to(self.H, (len(gamma), *self.H.shape))
+
+    def predicted(self, gamma_previous: Floats, gamma: Floats) -> Floats:
+        """T (m, pairs): a linear law predicts exactly."""
+        return self.resultants(gamma)
+
+
+@dataclass(frozen=True)
 class AlikeSections:
     """Axial points with one reference in section axes: which they are, their axial weights, their terms."""
 
     points: NDArray[np.intp]  # (m,) places in the flattened (n_el, points)
     axial_weight: Floats  # (m,) [m]
-    terms: tuple[Term | ProjectedTerm, ...]
+    terms: tuple[Term | ProjectedTerm | QuadraticTerm, ...]
 
 
 @dataclass(frozen=True)
@@ -271,11 +298,13 @@ class QuadratureSection:
         return T.reshape(gamma.shape)
 
     def smallest_volume(self, v: Floats) -> Floats:
-        """See `SectionLaw.smallest_volume`: over the points of every rule."""
+        """See `SectionLaw.smallest_volume`: over the points of every rule; inf where strain alone counts."""
         flat = v.reshape(-1, *v.shape[2:])
         smallest = np.full(len(flat), np.inf)
         for group in self.groups:
             for term in group.terms:
+                if isinstance(term, QuadraticTerm):
+                    continue
                 # Columns of F (m, n, 3): the triple product is the determinant.
                 c_x, c_y, c_z = np.einsum("miv,nia->amnv", flat[group.points], term.weights_local)
                 determinant = np.sum(np.cross(c_x, c_y) * c_z, axis=-1).min(axis=1)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.hyperelastic import MooneyRivlin, NeoHookean
-from ancf.sections import Annulus, Circle, Ellipse, Rectangle
+from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
+from ancf.section_stress import part_sections
+from ancf.sections import Annulus, Circle, Ellipse, Rectangle, Section
 
 if TYPE_CHECKING:
     from ancf.rod_model import RodModel
@@ -35,31 +37,58 @@ PARABOLA_LIMIT = 10.0
 TORSION_SHARE = 1e-3
 
 
-def section_warnings(solution: Solution, rod: RodModel, strain: Floats) -> Iterator[str]:
-    """One sentence for each limit of the sections that a solution leaves.
+@dataclass(frozen=True)
+class _Places:
+    """The axial points of a rod: section, material and local moment (about the normal, y and z) at each."""
+
+    sections: list[Section]
+    materials: list[Law]
+    moment: Floats  # (n, 3) N m
+
+    def of(self, *shapes: type[Section]) -> tuple[list[Section], Floats, Floats]:
+        """Sections of these shapes, their Poisson ratios (m,) and curvatures about y and z (m, 2) [1/m].
+
+        Curvature is what the moments make in the thin rod.
+        """
+        rows = [i for i, section in enumerate(self.sections) if isinstance(section, shapes)]
+        sections, laws = [self.sections[i] for i in rows], [self.materials[i] for i in rows]
+        second = np.array([np.diag(section.second_moments)[::-1] for section in sections]).reshape(-1, 2)
+        young = np.array([law.young_modulus for law in laws])[:, None]
+        nu = np.array([law.poisson_ratio for law in laws])
+        return sections, nu, self.moment[rows, 1:] / (young * second)
+
+
+def section_warnings(solution: Solution, rod: RodModel, strains: list[Floats]) -> Iterator[str]:
+    """One sentence for each limit of the sections that a solution leaves, the worst of the rod.
 
     Parameters
     ----------
-    strain : Green-Lagrange strain (sections, skin and axis last, 6)
+    strains : Green-Lagrange strain (sections, skin and axis last, 6) of each part of the rod
     """
-    yield from _section(rod, strain)
-    if isinstance(rod.rod.section, Circle):
+    yield from _section(rod, strains)
+    parts = rod.rod.parts
+    if all(isinstance(part.section, Circle) for part in parts):
         return  # a disc has nothing to warp, to flatten or to curve across
     name = rod.rod.name
     axes, moment = solution.section_axes(name), solution.section_forces(name).moment
     local = np.einsum("nia,ni->na", axes, moment)  # about the section's normal, y and z
-    yield from _torsion(rod, local)
-    yield from _flattening(rod, local)
-    yield from _anticlastic(rod, local)
+    sections = [part_sections(rod, part) for part in range(len(parts))]
+    materials = [part.material for part, found in zip(parts, sections, strict=True) for _ in found]
+    places = _Places([section for found in sections for section in found], materials, local)
+    yield from _torsion(rod, places)
+    yield from _flattening(rod, places)
+    yield from _anticlastic(rod, places)
 
 
-def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
+def _section(rod: RodModel, strains: list[Floats]) -> Iterator[str]:
     """What the section cannot follow, by how much the strain varies over it: curvature or twist times radius.
 
     Uniform states are exact in every element and law, so they do not count.
     """
-    spread = float(np.max(np.abs(strain[:, :-1] - strain[:, -1:]) * np.array([1, 1, 1, 0.5, 0.5, 0.5])))
+    shear = np.array([1, 1, 1, 0.5, 0.5, 0.5])
+    spreads = [float(np.max(np.abs(strain[:, :-1] - strain[:, -1:]) * shear)) for strain in strains]
     if rod.element.quadratic_section:
+        spread = max(spreads)
         if spread > QUADRATIC_SECTION_LIMIT:
             yield (
                 f"the strain varies by {spread:.2g} from axis to skin: the quadratic section of "
@@ -67,8 +96,9 @@ def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
                 f"{QUADRATIC_SECTION_LIMIT:g} only"
             )
         return
-    limit = LINEAR_SECTION_LIMIT.get(type(rod.rod.material))
-    if limit is not None and spread > limit:
+    limits = [LINEAR_SECTION_LIMIT.get(type(part.material), np.inf) for part in rod.rod.parts]
+    spread, limit = max(zip(spreads, limits, strict=True), key=lambda pair: pair[0] / pair[1])
+    if spread > limit:
         yield (
             f"the strain varies by {spread:.2g} from axis to skin (above {limit:g}): a linear section "
             "lacks the second-order lateral field of rubber, an error in bending that grows with the square, "
@@ -76,15 +106,13 @@ def _section(rod: RodModel, strain: Floats) -> Iterator[str]:
         )
 
 
-def _torsion(rod: RodModel, moment: Floats) -> Iterator[str]:
+def _torsion(rod: RodModel, places: _Places) -> Iterator[str]:
     """Torsion stiffness: exact where the element's sections can take the warping of the section."""
-    section = rod.rod.section
-    # Saint-Venant warping is nothing on a ring, and y z on an ellipse.
-    exact = (Annulus, Ellipse) if rod.element.quadratic_section else Annulus
-    if isinstance(section, exact):
-        return
-    total = float(np.sum(moment**2))
-    share = float(np.sum(moment[:, 0] ** 2)) / total if total > 0.0 else 0.0
+    # Saint-Venant warping is nothing on discs and rings, and y z on an ellipse.
+    exact = (Circle, Annulus, Ellipse) if rod.element.quadratic_section else (Circle, Annulus)
+    wrong = [not isinstance(section, exact) for section in places.sections]
+    total = float(np.sum(places.moment**2))
+    share = float(np.sum(places.moment[wrong, 0] ** 2)) / total if total > 0.0 else 0.0
     if share <= TORSION_SHARE:
         return
     if rod.element.quadratic_section:
@@ -100,42 +128,45 @@ def _torsion(rod: RodModel, moment: Floats) -> Iterator[str]:
     yield f"known limit: {share:.1%} of the squared section moment is torsion, and {limit}"
 
 
-def _flattening(rod: RodModel, moment: Floats) -> Iterator[str]:
+def _flattening(rod: RodModel, places: _Places) -> Iterator[str]:
     """Tubes flatten in bending and lose 1.5 (1 - nu^2)(kappa r^2/t)^2 of their moment (Brazier 1927).
 
     r mean radius, t wall. The exact section problem gives the same within 10 % for r/t from 4.5 up, and more
     on thicker walls; no section here can show it.
     """
-    section = rod.rod.section
-    if not isinstance(section, Annulus):
+    sections, nu, curvatures = places.of(Annulus)
+    if not sections:
         return
-    wall = section.radius - section.inner_radius
-    kappa = float(np.max(np.linalg.norm(_curvatures(rod, moment), axis=1)))
-    nu = rod.rod.material.poisson_ratio
-    loss = 1.5 * (1.0 - nu**2) * (kappa * (section.radius - 0.5 * wall) ** 2 / wall) ** 2
+    radius, inner = np.array([(s.radius, s.inner_radius) for s in sections if isinstance(s, Annulus)]).T
+    wall = radius - inner
+    kappa = np.linalg.norm(curvatures, axis=1)
+    losses = 1.5 * (1.0 - nu**2) * (kappa * (radius - 0.5 * wall) ** 2 / wall) ** 2
+    worst = int(np.argmax(losses))
+    loss = losses[worst]
     if loss > SHAPE_LIMIT:
         yield (
-            f"the tube would flatten: curvature {kappa:.3g} 1/m costs it about {loss:.1%} of its moment "
-            f"(Brazier; above {SHAPE_LIMIT:.0%}), which sections of {rod.element.name} cannot show; a tube "
-            "collapses when a third is lost"
+            f"the tube would flatten: curvature {kappa[worst]:.3g} 1/m costs it about {loss:.1%} of its "
+            f"moment (Brazier; above {SHAPE_LIMIT:.0%}), which sections of {rod.element.name} cannot show; "
+            "a tube collapses when a third is lost"
         )
 
 
-def _anticlastic(rod: RodModel, moment: Floats) -> Iterator[str]:
+def _anticlastic(rod: RodModel, places: _Places) -> Iterator[str]:
     """Strips curve across as well, and are stiffer by nu^2 x/(1 + (1 - nu^2) x), x = (w^2 kappa/h)^2/31.
 
     h height in the plane of bending, w width. From E I of a narrow beam to E I/(1 - nu^2) of a plate (Searle;
     Ashwell 1950).
     """
-    section = rod.rod.section
-    if not isinstance(section, Rectangle | Ellipse):
+    sections, nu, curvatures = places.of(Rectangle, Ellipse)
+    if not sections:
         return
-    sides = 2.0 * np.abs(section.outline(4)).max(axis=0)  # along y, z
-    kappa_y, kappa_z = np.abs(_curvatures(rod, moment)).max(axis=0)
-    ratio = max(sides[1] ** 2 * kappa_z / sides[0], sides[0] ** 2 * kappa_y / sides[1])
-    nu = rod.rod.material.poisson_ratio
-    x = float(ratio) ** 2 / ANTICLASTIC
-    gain = nu**2 * x / (1.0 + (1.0 - nu**2) * x)
+    side_y, side_z = 2.0 * np.abs([section.outline(4) for section in sections]).max(axis=1).T
+    kappa_y, kappa_z = np.abs(curvatures).T
+    ratios = np.maximum(side_z**2 * kappa_z / side_y, side_y**2 * kappa_y / side_z)
+    x = ratios**2 / ANTICLASTIC
+    gains = nu**2 * x / (1.0 + (1.0 - nu**2) * x)
+    worst = int(np.argmax(gains))
+    ratio, gain = ratios[worst], gains[worst]
     if rod.element.quadratic_section:
         if ratio > PARABOLA_LIMIT and gain > SHAPE_LIMIT:
             yield (
@@ -149,8 +180,3 @@ def _anticlastic(rod: RodModel, moment: Floats) -> Iterator[str]:
             f"width^2 curvature/height = {ratio:.3g}), which the linear section of {rod.element.name} cannot "
             "show; use 3363"
         )
-
-
-def _curvatures(rod: RodModel, moment: Floats) -> Floats:
-    """Curvature about the section's y and z (n, 2) [1/m] that the moments (n, 3) make in the thin rod."""
-    return moment[:, 1:] / (rod.rod.material.young_modulus * np.diag(rod.rod.section.second_moments)[::-1])

@@ -14,7 +14,6 @@ from ancf.errors import Message
 from ancf.mesh import reference_axis
 from ancf.quadrature import gauss
 from ancf.rotation import section_rotation
-from ancf.section_energy import director_weights
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -181,7 +180,7 @@ class Solution:
         N = np.array([rod.element.shape(xi, float(rod.mesh.h[index])) for index in first])[kind]
         d0 = N @ rod.e0[:, None]
         d = N @ rod.element_vectors(self.q)[:, None]
-        rotation = section_rotation(d, director_weights(rod.element, rod.rod.section, d0)).R
+        rotation = section_rotation(d, rod.weights_at(xi, d0)).R
         _, frame = reference_axis(rod.axial_abscissae.ravel(), rod.rod.curvature)
         return rotation.reshape(-1, 3, 3) @ rod.rod.base.rotation @ frame
 
@@ -190,7 +189,8 @@ class Solution:
 
         x is the normal of the section, y and z lie in it (`section_axes`): with the axes A (3, 3) as columns
         the stress in SCS is A stress A^T. It is evaluated at the axial integration points and taken linearly
-        between and beyond them. What each law and formulation counts as stress: section_stress.py.
+        between and beyond them; where segments meet, those of the one with the larger section. What each law
+        and formulation counts as stress: section_stress.py.
 
         Parameters
         ----------
@@ -202,14 +202,17 @@ class Solution:
         ------
         InputError : a place that is not on the rod or not in its section.
         """
-        from ancf.section_stress import along_rod, cauchy_stress, check_places
+        from ancf.section_stress import along_fibres, along_rod, cauchy_stress, check_places
 
         rod = self._rod(name)
         y, z = np.broadcast_arrays(np.atleast_1d(np.asarray(y, float)), np.asarray(z, float))
         check_places(rod.rod, at, y, z)
-        axes = self.section_axes(name)[:, None]
-        stress = np.swapaxes(axes, -1, -2) @ cauchy_stress(rod, self.q, y, z) @ axes
-        return along_rod(rod, stress, at)
+        part = rod.rod.part_at(at)
+        y, z = along_fibres(rod, at, part, y, z)
+        axes = self.section_axes(name).reshape(-1, rod.axial_points, 3, 3)[rod.elements_of(part)]
+        axes = axes.reshape(-1, 1, 3, 3)
+        stress = np.swapaxes(axes, -1, -2) @ cauchy_stress(rod, self.q, y, z, part) @ axes
+        return along_rod(rod, stress, at, part)
 
     def tangent(self) -> sparse.csr_array:
         """Tangent dg/dq on the free unknowns [SI units], sparse."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.section_stress import second_stress, section_strain, tensor
+from ancf.section_stress import part_skin, second_stress, section_strain, tensor
 
 if TYPE_CHECKING:
     from ancf.solution import Solution
@@ -30,7 +30,7 @@ MOST_RINGS = 400  # finer rods are thinned out: a picture or a mesh file needs n
 
 @dataclass(frozen=True)
 class Surface:
-    """Rings of points around a rod, from its base to its end."""
+    """Rings of points around a part of a rod, from its base to its end."""
 
     at: Floats  # (rings,) fraction of the reference length
     position: Floats  # (rings, points, 3) m, deformed, SCS
@@ -48,20 +48,29 @@ class Surface:
         return np.stack(corners, axis=-1).reshape(-1, 4)
 
 
-def rod_surface(solution: Solution, name: str) -> Surface:
-    """Evaluate the skin of a rod: strain and stress of its own law (section_stress.py)."""
+def rod_surface(solution: Solution, name: str, part: int = 0) -> Surface:
+    """Evaluate the skin of a part of a rod: strain and stress of its own law (section_stress.py).
+
+    A plain rod is one part. The skins of parts with different sections do not meet; the step between them is
+    left open.
+    """
     rod = next(model for model in solution.model.rods if model.rod.name == name)
-    y, z = rod.rod.section.outline(OUTLINE_POINTS).T
-    x = rod.axial_abscissae.ravel()
+    y, z = part_skin(rod, part, OUTLINE_POINTS)
+    x = rod.axial_abscissae[rod.elements_of(part)].ravel()
     chosen = np.unique(np.linspace(0, len(x) - 1, min(len(x), MOST_RINGS)).round().astype(int))
-    at = np.concatenate([[0.0], x[chosen] / rod.rod.length, [1.0]])
-    position = solution.displaced(name, at[:, None], y, z)
-    strain = section_strain(rod, solution.q, y, z)[chosen]
-    stress = second_stress(rod, solution.q, y, z)[chosen]
+    first, last = rod.rod.ends[part : part + 2]
+    at = np.concatenate([[first], x[chosen] / rod.rod.length, [last]])
+    segment = rod.rod.parts[part]
+    share = (at - first) / (last - first)
+    rings = np.array([segment.section_at(float(s)).outline(OUTLINE_POINTS) for s in share])
+    y_ring, z_ring = np.moveaxis(rings, -1, 0)
+    position = solution.displaced(name, at[:, None], y_ring, z_ring)
+    strain = section_strain(rod, solution.q, y, z, part)[chosen]
+    stress = second_stress(rod, solution.q, y, z, part)[chosen]
     return Surface(
         at=at,
         position=position,
-        displacement=position - solution.reference(name, at[:, None], y, z),
+        displacement=position - solution.reference(name, at[:, None], y_ring, z_ring),
         strain=tensor(_to_ends(strain, at), shear=0.5),
         stress=tensor(_to_ends(stress, at), shear=1.0),
     )

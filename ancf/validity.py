@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.failure import LARGEST_TURN, element_turns
-from ancf.hyperelastic import MooneyRivlin, NeoHookean
+from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.scene_rods import LARGEST_FLOOR
-from ancf.section_stress import section_strain, tensor
+from ancf.section_stress import part_skin, section_strain, tensor
 from ancf.section_validity import section_warnings
+from ancf.segments import STEEP
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -34,6 +36,8 @@ STRETCH_LIMIT = {NeoHookean: 1.5, MooneyRivlin: 2.0}
 VOLUME_LIMIT = 0.2
 # Curvature-thickness locking of full axial rules reaches 1 % of the tip at this slenderness of an element.
 LOCKING_SLENDERNESS = 25.0
+# Elements with r_x at their nodes keep the axial strain continuous: worth a sentence from this jump on.
+STIFFNESS_JUMP = 1.01
 OUTLINE_POINTS = 16
 
 
@@ -51,28 +55,41 @@ def validity_warnings(solution: Solution) -> list[str]:
             "a small lateral load leads to the stable branch"
         )
     if solution.residual > LARGEST_FLOOR:
+        cause = (
+            "the section forces of the stiffest or shortest segment have this error, the shape has not"
+            if any(rod.segments for rod in solution.scene.rods)
+            else "so close to 0.5 the Poisson ratio takes all digits; 0.4999 serves as incompressible"
+        )
         found.append(
-            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): so "
-            "close to 0.5 the Poisson ratio takes all digits; 0.4999 serves as incompressible"
+            f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): "
+            + cause
         )
     for rod in solution.model.rods:
-        y, z = np.vstack([rod.rod.section.outline(OUTLINE_POINTS), np.zeros(2)]).T  # the axis comes last
-        strain = section_strain(rod, solution.q, y, z)
+        strains = [_strain(solution, rod, part) for part in range(len(rod.rod.parts))]
         texts = [
             *_turns(solution, rod),
-            *_law(rod, strain),
-            *section_warnings(solution, rod, strain),
+            *_law(rod, strains),
+            *section_warnings(solution, rod, strains),
         ]
         found += [f"rod {rod.rod.name!r}: {text}" for text in texts]
     return found
 
 
+def _strain(solution: Solution, rod: RodModel, part: int) -> Floats:
+    """Strain (sections, skin and axis last, 6) of a part of a rod."""
+    skin = [np.atleast_2d(side) for side in part_skin(rod, part, OUTLINE_POINTS)]
+    y, z = (np.concatenate([side, np.zeros((len(side), 1))], axis=1) for side in skin)
+    plain = len(y) == 1 and not rod.rod.parts[part].tapered
+    return section_strain(rod, solution.q, *((y[0], z[0]) if plain else (y, z)), part)
+
+
 def _discretisation(rod: RodModel) -> Iterator[str]:
     """Limits of formulation and axial rule."""
     spec, element = rod.rod, rod.element
-    nu = spec.material.poisson_ratio
+    factors = {poisson_locking(part.material.poisson_ratio): part.material for part in spec.parts}
+    factor = max(factors, key=lambda value: abs(np.log(value)))
+    nu = factors[factor].poisson_ratio
     if spec.formulation == "continuum" and not element.quadratic_section and nu != 0.0:
-        factor = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
         yield (
             f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
             f"times its value at nu = {nu:.4g} (Poisson locking, at every mesh and for every law); "
@@ -83,13 +100,45 @@ def _discretisation(rod: RodModel) -> Iterator[str]:
             f"axial_rule {rod.axial_points} is below the {element.axial_points} points that element "
             f"{element.name} needs: zero-energy modes may spoil the answer"
         )
-    slenderness = spec.length / spec.elements / spec.section.radius_of_gyration
+    slenderness = max(
+        part.length / part.elements / section.radius_of_gyration
+        for part in spec.parts
+        for section in (part.section, part.last_section)
+    )
     if rod.axial_points >= element.locks_from and slenderness > LOCKING_SLENDERNESS:
         yield (
             f"{element.name} with {rod.axial_points} axial points locks in bending: element length "
             f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
             "default rule, or more elements"
         )
+    yield from _profile(rod)
+
+
+def _profile(rod: RodModel) -> Iterator[str]:
+    """Limits where segments meet and where they taper."""
+    parts, element = rod.rod.parts, rod.element
+    slope = max(part.slope for part in parts)
+    if slope > STEEP:
+        yield (
+            f"the skin of a tapered segment is inclined by {slope:.2g} (above {STEEP:g}): plane sections "
+            f"make it too stiff in bending by about the square of that, {slope**2:.1%}, at every mesh"
+        )
+    stiffness = [
+        [part.material.young_modulus * section.area for section in (part.section, part.last_section)]
+        for part in parts
+    ]
+    jump = max((max(a[1] / b[0], b[0] / a[1]) for a, b in pairwise(stiffness)), default=1.0)
+    if jump > STIFFNESS_JUMP and any(order[0] > 0 for order in element.vectors):
+        yield (
+            f"known limit: axial stiffness jumps by a factor of {jump:.3g} where two segments meet, and the "
+            f"strain of {element.name}, whose nodes carry r_x, cannot: stretching errs in proportion to the "
+            "length of the elements there (bending does not); use 3333"
+        )
+
+
+def poisson_locking(nu: float) -> float:
+    """Bending stiffness over E I of a linear section under the full law (shared/theory.md, section 3)."""
+    return (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
 
 
 def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:
@@ -101,35 +150,48 @@ def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:
         )
 
 
-def _law(rod: RodModel, strain: Floats) -> Iterator[str]:
-    """Range of the law, from the strain (sections, skin and axis last, 6).
+def _law(rod: RodModel, strains: list[Floats]) -> Iterator[str]:
+    """Range of each law of a rod, from the strain of its parts (sections, skin and axis last, 6).
 
     One sentence serves Saint Venant-Kirchhoff and a linear section, whose errors are of one size.
     """
-    material = rod.rod.material
-    if isinstance(material, SaintVenantKirchhoff):
-        largest = float(np.max(np.abs(strain)))
-        if largest > STRAIN_LIMIT:
-            section = "" if rod.element.quadratic_section else " and a linear section"
-            advice = "use neo-hookean" if rod.element.quadratic_section else "use 3363 and neo-hookean"
-            yield (
-                f"largest Green-Lagrange strain {largest:.2g} exceeds {STRAIN_LIMIT:g}: Saint "
-                f"Venant-Kirchhoff{section} departs from a rubber there, in bending by about the square of "
-                f"the strain, and softens in compression; {advice}"
-            )
-        return
-    squares = 1.0 + 2.0 * np.linalg.eigvalsh(tensor(strain, shear=0.5))
-    stretch = np.sqrt(np.maximum(squares, 0.0))  # a flat section leaves -1e-16
-    name, limit = NAMES[type(material)], STRETCH_LIMIT[type(material)]
-    if not 1.0 / limit <= stretch.min() <= stretch.max() <= limit:
+    laws = dict.fromkeys(type(part.material) for part in rod.rod.parts)
+    for law in laws:
+        of_law = [
+            strain for part, strain in zip(rod.rod.parts, strains, strict=True) if type(part.material) is law
+        ]
+        if law is SaintVenantKirchhoff:
+            yield from _small_strain(rod, of_law)
+        else:
+            yield from _rubber(rod, law, of_law)
+
+
+def _small_strain(rod: RodModel, strains: list[Floats]) -> Iterator[str]:
+    largest = max(float(np.max(np.abs(strain))) for strain in strains)
+    if largest > STRAIN_LIMIT:
+        section = "" if rod.element.quadratic_section else " and a linear section"
+        advice = "use neo-hookean" if rod.element.quadratic_section else "use 3363 and neo-hookean"
         yield (
-            f"principal stretches reach from {stretch.min():.3g} to {stretch.max():.3g}, beyond "
+            f"largest Green-Lagrange strain {largest:.2g} exceeds {STRAIN_LIMIT:g}: Saint "
+            f"Venant-Kirchhoff{section} departs from a rubber there, in bending by about the square of "
+            f"the strain, and softens in compression; {advice}"
+        )
+
+
+def _rubber(rod: RodModel, law: type[Law], strains: list[Floats]) -> Iterator[str]:
+    squares = [1.0 + 2.0 * np.linalg.eigvalsh(tensor(strain, shear=0.5)) for strain in strains]
+    stretches = [np.sqrt(np.maximum(square, 0.0)) for square in squares]  # a flat section leaves -1e-16
+    name, limit = NAMES[law], STRETCH_LIMIT[law]
+    low, high = min(s.min() for s in stretches), max(s.max() for s in stretches)
+    if not 1.0 / limit <= low <= high <= limit:
+        yield (
+            f"principal stretches reach from {low:.3g} to {high:.3g}, beyond "
             f"{1.0 / limit:.3g} to {limit:g}: rubber leaves the {name} law there, and stiffens"
         )
     # `enhanced` has the law's volume energy on the axis alone: linear sections cannot contract by fibres.
-    counted = stretch[:, -1:] if rod.rod.formulation == "enhanced" else stretch
-    volume = np.prod(counted, axis=-1) - 1.0
-    worst = float(volume.flat[np.argmax(np.abs(volume))])
+    counted = [s[:, -1:] if rod.rod.formulation == "enhanced" else s for s in stretches]
+    volume = np.concatenate([np.prod(s, axis=-1).ravel() for s in counted]) - 1.0
+    worst = float(volume[np.argmax(np.abs(volume))])
     if abs(worst) > VOLUME_LIMIT:
         yield (
             f"the volume changes by {worst:.0%} (beyond {VOLUME_LIMIT:.0%}): the volume energy of {name} is "

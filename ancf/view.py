@@ -19,6 +19,7 @@ from ancf.mesh import reference_axis
 from ancf.solution import Status
 
 if TYPE_CHECKING:
+    from ancf.scene import Rod
     from ancf.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 PICTURE_KINDS = (".png", ".svg", ".pdf")
 PANEL_INCHES = 4.6
 TUBE_RINGS = 60  # along a rod; smooth at the size of a panel
+LEAST_RINGS = 2  # along a segment
 OUTLINE_POINTS = 20
 FRAME_SHARE = 0.14  # arrow length, of the rod's length
 LEAST_SPAN = 0.4  # of the longest side of the box
@@ -85,26 +87,36 @@ def _draw_panel(axes: Any, solution: Solution) -> None:
     """Draw all rods of one solution with equal scales on the three axes."""
     points = []
     for rod in solution.scene.rods:
-        at = np.linspace(0.0, 1.0, TUBE_RINGS + 1)
-        outline = rod.section.outline(OUTLINE_POINTS)
-        y, z = np.concatenate([outline, outline[:1]]).T  # closed
-        before = solution.reference(rod.name, at[:, None], y, z)
-        after = solution.displaced(rod.name, at[:, None], y, z)
-        marks = np.linspace(0, TUBE_RINGS, min(rod.elements, TUBE_RINGS) + 1).round().astype(int)
-        _draw_tube(axes, before, marks, REFERENCE_COLOUR, alpha=0.25)
-        _draw_tube(axes, after, marks, DEFORMED_COLOUR, alpha=0.85)
+        for part in range(len(rod.parts)):
+            points += _draw_part(axes, solution, rod, part)
         end, frames = reference_axis(np.array([0.0, rod.length]), rod.curvature)
         A_o, size = rod.base.rotation, FRAME_SHARE * rod.length
         for position, frame in zip(end @ A_o.T + rod.base.position, A_o @ frames, strict=True):
             _draw_frame(axes, position, frame, size, alpha=0.45)
         tip = solution.tip(rod.name)
         _draw_frame(axes, tip.position, np.column_stack([tip.r_x, tip.r_y, tip.r_z]), size, alpha=1.0)
-        points += [before.reshape(-1, 3), after.reshape(-1, 3), tip.position + size * np.eye(3)]
+        points.append(tip.position + size * np.eye(3))
     _set_equal_scales(axes, np.concatenate(points))
     title = textwrap.fill(solution.scene.title, 48)
     if solution.status is not Status.CONVERGED:
         title += f"\n{solution.status} at load factor {solution.load_factor:.3g}"
     axes.set_title(title, fontsize=9, parse_math=False)
+
+
+def _draw_part(axes: Any, solution: Solution, rod: Rod, part: int) -> list[Floats]:
+    """Draw a part of a rod undeformed and deformed; return the points drawn."""
+    segment, (first, last) = rod.parts[part], rod.ends[part : part + 2]
+    share = np.linspace(0.0, 1.0, max(math.ceil(TUBE_RINGS * (last - first)), LEAST_RINGS) + 1)
+    outlines = np.array([segment.section_at(float(s)).outline(OUTLINE_POINTS) for s in share])
+    y, z = np.moveaxis(np.concatenate([outlines, outlines[:, :1]], axis=1), -1, 0)  # closed
+    at = (first + (last - first) * share)[:, None]
+    before = solution.reference(rod.name, at, y, z)
+    after = solution.displaced(rod.name, at, y, z)
+    rings = len(share) - 1
+    marks = np.linspace(0, rings, min(segment.elements, rings) + 1).round().astype(int)
+    _draw_tube(axes, before, marks, REFERENCE_COLOUR, alpha=0.25)
+    _draw_tube(axes, after, marks, DEFORMED_COLOUR, alpha=0.85)
+    return [before.reshape(-1, 3), after.reshape(-1, 3)]
 
 
 def _set_equal_scales(axes: Any, points: Floats) -> None:

@@ -44,14 +44,17 @@ def regimes(solution: Solution) -> list[dict[str, Any]]:
     """
     import numpy as np
 
-    from ancf.section_stress import section_strain
+    from ancf.section_stress import part_skin, section_strain
 
     found = []
     for model in solution.model.rods:
         here = regime_of(model.rod, solution.scene)
         here |= _thin(model.rod, _norm(solution.section_forces(model.rod.name).moment))
-        y, z = model.rod.section.outline(OUTLINE_POINTS).T
-        here["strain"] = float(np.max(np.abs(section_strain(model, solution.q, y, z))))
+        strains = [
+            section_strain(model, solution.q, *part_skin(model, part, OUTLINE_POINTS), part)
+            for part in range(len(model.rod.parts))
+        ]
+        here["strain"] = max(float(np.max(np.abs(strain))) for strain in strains)
         here["known"] = True
         found.append(here)
     return found
@@ -74,7 +77,7 @@ def regime_of(rod: Rod, scene: Scene) -> dict[str, Any]:
         "formulation": rod.formulation,
         "law": _kebab(rod.material),
         "loads": loads,
-        "section": _kebab(rod.section),
+        "section": _profile(rod),
         "reference": "curved" if _norm(rod.curvature) else "straight",
         "axial_rule": str(rod.axial_rule),
         "shear_factors": " ".join(f"{factor:.6g}" for factor in rod.shear_factors),
@@ -148,6 +151,16 @@ def _place(load: Any) -> str:
     place = "the end" if load.at == 1.0 else "between the ends"
     offset = getattr(load, "offset", None)
     return place if offset is None or not _norm(offset) else f"{place}, off the axis"
+
+
+def _profile(rod: Rod) -> str:
+    """The section of a plain rod; of any other the segments, which no case has unless it is alike."""
+    if not rod.segments:
+        return _kebab(rod.section)
+    words = [
+        "tapered " * part.tapered + f"{_kebab(part.section)} of {_kebab(part.material)}" for part in rod.parts
+    ]
+    return ", then ".join(words)
 
 
 def _follower(load: Any) -> str:

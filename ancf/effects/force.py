@@ -27,7 +27,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
         model = models[load.rod]
         point = model.section_point(load.at)
         y, z = (float(value) for value in load.offset)
-        shape = force_weights(model.element, model.rod.section, y, z) @ point.N
+        shape = force_weights(model.element, model.rod.section_at(load.at), y, z) @ point.N
         if load.direction == "fixed":
             effects.append(DeadLoad("force", point.dofs[None], np.outer(shape, load.value)[None]))
         else:

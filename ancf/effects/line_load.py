@@ -10,7 +10,6 @@ from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import hat, section_rotation
 from ancf.scene import Scene
-from ancf.section_energy import director_weights
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +29,8 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
         N = np.array([model.element.shape(xi, length) for length in h])  # (n_el, points, directors, nodal)
         shape = 0.5 * h[:, None, None] * weight[:, None] * N[:, :, 0]  # (n_el, points, nodal)
         if follower:
-            effects.append(FollowerLineLoad(model, N, shape, load.value))
+            W = model.weights_at(xi, N @ model.e0[:, None])
+            effects.append(FollowerLineLoad(model.dofs, N, W, shape, load.value))
         else:
             Q = np.einsum("epn,a->ena", shape, load.value)
             effects.append(DeadLoad("line_load", model.dofs, Q))
@@ -42,12 +42,12 @@ class FollowerLineLoad:
 
     name = "line_load"
 
-    def __init__(self, model: RodModel, N: Floats, shape: Floats, value: Floats) -> None:
-        self.dofs = model.dofs
+    def __init__(self, dofs: NDArray[np.intp], N: Floats, W: Floats, shape: Floats, value: Floats) -> None:
+        self.dofs = dofs
         self.N = N
+        self.W = W
         self.shape = shape
         self.value = value  # (3,) N/m, at the reference
-        self.W = director_weights(model.element, model.rod.section, N @ model.e0[:, None])
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`: Q = int N_0^T R f_0 dx."""
