@@ -1,4 +1,4 @@
-"""Hypothesis profiles: HYPOTHESIS_PROFILE=dev (25 examples), ci (100) or gate (500), the last two
+"""Hypothesis profiles: HYPOTHESIS_PROFILE=dev (25 examples), ci (100), gate (500) or long (10 000), ci and gate
 derandomised.
 """
 
@@ -12,4 +12,5 @@ _COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow, Hea
 settings.register_profile("dev", max_examples=25, **_COMMON)
 settings.register_profile("ci", max_examples=100, derandomize=True, **_COMMON)
 settings.register_profile("gate", max_examples=500, derandomize=True, print_blob=True, **_COMMON)
+settings.register_profile("long", max_examples=10_000, print_blob=True, **_COMMON)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
