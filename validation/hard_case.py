@@ -1,4 +1,4 @@
-"""A hard case as data: a scene at the edge of what may be asked, how it must end, and its limits with reasons."""
+"""A hard case as data: a scene at the edge of what may be asked, how it must end, limits with reasons."""
 
 from __future__ import annotations
 
@@ -33,12 +33,14 @@ class HardCase:
     meaning : what is hard about it, and why it must end so
     expected : statuses it may end in; ``refused`` is exit code 2
     said : words that the reason of a failure, a refusal or a warning must contain (regular expression)
-    limits : of the deviation from an exact answer, of counts; by the names of `hard_measures.MEASURES`
+    limits : of the deviation from an exact answer, of counts; one of a common quantity replaces the common
+        limit
     deviation : distance of the tip from the exact answer, over L
     start : coordinates (n,) to begin from
+    stable : whether the answer must be stable; None: it may be unstable if the result warns of it
+    walk : ``quick`` or ``full``: in which run the load is also applied in a hundred steps
     budget : s
-    wider : measure -> (limit, reason) where the common limit cannot be met by any program in float64
-    not_asked : measure -> why it says nothing about this scene
+    not_asked : quantity -> why it says nothing about this scene
     """
 
     family: str
@@ -50,8 +52,9 @@ class HardCase:
     limits: tuple[Limit, ...] = ()
     deviation: Callable[[Solution], float] | None = None
     start: Callable[[Model], Floats] | None = None
+    stable: bool | None = None
+    walk: str = "full"
     budget: float = BUDGET
-    wider: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     not_asked: Mapping[str, str] = field(default_factory=dict)
 
     @property

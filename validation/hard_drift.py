@@ -198,7 +198,9 @@ def _loads(scene: Scene) -> list[Scene]:
 
 def _accelerate(scene: Scene, change: Callable[[Floats], Floats]) -> None:
     if "gravity" in scene:
-        scene["gravity"]["acceleration"] = change(np.asarray(scene["gravity"]["acceleration"], float)).tolist()
+        scene["gravity"]["acceleration"] = change(
+            np.asarray(scene["gravity"]["acceleration"], float)
+        ).tolist()
 
 
 def _rotation(v: Floats) -> Floats:

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from ancf.mesh import reference_axis
 from ancf.solution import Solution
 from reference.helix import helix_tip_moment
 from reference.rod import solve_rod
+from reference.root import bracketed_root
 from validation.scenes import reference_rod
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,7 @@ LENGTH, YOUNG, DENSITY = 0.4, 1.0e6, 1070.0  # m, Pa, kg/m3: the silicone arm of
 FULL_CIRCLE, QUARTER = 2.0 * math.pi, 0.5 * math.pi
 TABLES = ("moment", "force", "line_load", "gravity", "solver")
 DOWN, UP = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
+FREE_SECTION = [{"at": 0.0, "kind": "free_section_clamp"}]
 BOTH_ENDS = [{"at": 0.0, "kind": "clamp"}, {"at": 1.0, "kind": "clamp"}]
 
 
@@ -165,8 +166,8 @@ def from_buckled(ratio: float) -> Deviation:
     """
 
     def deviation(solution: Solution) -> float:
-        m = brentq(lambda m: (2.0 * ellipk(m) / math.pi) ** 2 - ratio, 0.0, 1.0 - 1e-12)
-        x, y = 2.0 * ellipe(m) / ellipk(m) - 1.0, 2.0 * math.sqrt(m) / ellipk(m)
+        m = bracketed_root(lambda m: (2.0 * float(ellipk(m)) / math.pi) ** 2 - ratio, 0.0, 1.0 - 1e-12)
+        x, y = 2.0 * float(ellipe(m) / ellipk(m)) - 1.0, 2.0 * math.sqrt(m) / float(ellipk(m))
         return tip_distance(solution, LENGTH * np.array([x, y, 0.0]))
 
     return deviation
@@ -176,3 +177,8 @@ def largest_root(load: float) -> float:
     """Largest root l of l^3 - l = load: the stable uniaxial stretch of Saint Venant-Kirchhoff."""
     roots = np.roots([1.0, 0.0, -1.0, -load])
     return float(np.max(roots[np.abs(roots.imag) < 1e-9].real))
+
+
+def stable_stretch(force_over_EA: float) -> float:
+    """Stretch under a dead axial force: the largest root of l^3 - l = 2 F/(E A)."""
+    return largest_root(2.0 * force_over_EA)

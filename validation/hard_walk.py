@@ -1,4 +1,4 @@
-"""The walk: the load applied in a hundred equal steps, each begun at the last equilibrium; work against energy.
+"""The walk: the load in a hundred equal steps, each begun at the last equilibrium; work against energy.
 
 Along a path of equilibria the work of the external loads is the strain energy, whatever the loads are:
 Q_int(q) = f Q_ext(q) at load factor f, and Q_int . dq = dU. Supports do no work. With the trapezoidal rule
@@ -14,6 +14,7 @@ from __future__ import annotations
 import copy
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ STEPS = 100  # of the walk
 RULES = (25, 50, 100)  # equal steps of the quadratures: every fourth, every second, every equilibrium
 # Differences of two quadratures below this share of the energy are rounding and tell no order.
 RESOLVED = 1e-11
+NOTHING = 1e-12  # E I/L: strain energy of a rod that is not loaded, but for rounding
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def scaled(scene: Scene, load_factor: float) -> Scene:
 
 
 def walk(scene: Scene, steps: int = STEPS) -> list[Solution]:
-    """Equilibria at the load factors i/steps, i = 1 ..., each begun at the last one; up to the first failure."""
+    """Equilibria at the load factors i/steps, each begun at the last one, up to the first failure."""
     found: list[Solution] = []
     options = {**scene.get("solver", {}), "predictor": "none"}
     for i in range(1, steps + 1):
@@ -77,7 +79,7 @@ def energy_balance(path: list[Solution], rules: tuple[int, int, int] = RULES) ->
     Q = np.array([np.zeros(model.n), *(s.model.residual(s.q).Q_ext for s in path)])  # of the scaled loads
     U = sum(path[-1].strain_energy(rod.rod.name) for rod in model.rods)
     work = [trapezoid(q[:: rules[-1] // n], Q[:: rules[-1] // n]) for n in rules]
-    return balance(work, U)
+    return balance(work, U, NOTHING * sum(rod.bending_stiffness / rod.rod.length for rod in model.rods))
 
 
 def trapezoid(q: Floats, Q: Floats) -> float:
@@ -85,11 +87,14 @@ def trapezoid(q: Floats, Q: Floats) -> float:
     return float(np.sum(0.5 * (Q[1:] + Q[:-1]) * np.diff(q, axis=0)))
 
 
-def balance(work: list[float], energy: float) -> Balance:
-    """Errors and orders from three trapezoidal sums of n, 2 n, 4 n steps and the exact energy."""
-    scale = abs(energy) if energy != 0.0 else 1.0
+def balance(work: list[float], energy: float, smallest: float = 0.0) -> Balance:
+    """Errors and orders from three trapezoidal sums of n, 2 n, 4 n steps and the exact energy.
+
+    `smallest` is an energy below which there is nothing to balance: errors are relative to the larger.
+    """
+    scale = max(abs(energy), smallest)
     errors = [abs(w - energy) / scale for w in work]
-    simpson = [abs((4.0 * b - a) / 3.0 - energy) / scale for a, b in zip(work[:-1], work[1:], strict=True)]
+    simpson = [abs((4.0 * b - a) / 3.0 - energy) / scale for a, b in pairwise(work)]
     return Balance(simpson[-1], errors[-1], _order(errors[-2:]), _order(simpson))
 
 
