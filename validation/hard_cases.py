@@ -7,24 +7,21 @@ finite, is not. The verdict depends on statuses, deviations and orders, never on
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
 
-import numpy as np
-
 import ancf
 from ancf.errors import InputError
 from ancf.newton import Iteration
 from ancf.solution import Solution
-from ancf.solver import prepare
 from validation import hard_drift, hard_measures, hard_threads, hard_walk
 from validation.criteria import Finding, Limit, Verdict, judge, worst
 from validation.hard_buckling import buckling
 from validation.hard_case import HardCase
-from validation.hard_drift import Scene, drift, shape_of
+from validation.hard_drift import drift, shape_of
+from validation.hard_ending import ending_fault, solution_fault, solve_case
 from validation.hard_families import shapes
 from validation.hard_limits import EPS, WALKED, hard_limits
 from validation.hard_loads import loads
@@ -75,13 +72,6 @@ def hard_cases() -> tuple[HardCase, ...]:
     return cases
 
 
-def solve_case(case: HardCase, scene: Scene) -> Solution:
-    """Solve the scene of a case, or another that describes the same rod, within the budget of the case."""
-    options = {"max_seconds": case.budget, **scene.get("solver", {})}
-    record = ancf.scene_from_dict({**scene, "solver": options})
-    return ancf.solve(record, start=None if case.start is None else case.start(prepare(record)))
-
-
 def run_hard_case(case: HardCase, full: bool = False) -> HardResult:
     """Solve one, measure it, and judge both; an exception of the solver is a fault, never a crash."""
     started = time.perf_counter()
@@ -89,7 +79,7 @@ def run_hard_case(case: HardCase, full: bool = False) -> HardResult:
         solution = solve_case(case, case.scene)
     except InputError as error:
         reason = str(error.message.what)
-        fault = _ending_fault(case, "refused", str(error))
+        fault = ending_fault(case, "refused", str(error))
         return HardResult(case, _verdict(fault, []), "refused", reason, fault, seconds=_since(started))
     except Exception as error:  # a traceback is the one thing that must not happen
         reason = f"{type(error).__name__}: {error}"
@@ -122,35 +112,6 @@ def run_hard_case(case: HardCase, full: bool = False) -> HardResult:
         seconds,
         list(solution.warnings),
     )
-
-
-def solution_fault(case: HardCase, solution: Solution) -> str:
-    """Why an answer is wrong whatever its numbers are; "" if it is not."""
-    if not np.isfinite(solution.q).all():
-        return "the state is not finite"
-    status, converged = str(solution.status), solution.status is ancf.Status.CONVERGED
-    said = " ".join([solution.reason, *solution.warnings])
-    if not converged and not solution.reason:
-        return f"{status} without a reason"
-    fault = _ending_fault(case, status, said)
-    if fault or not converged:
-        return fault
-    if solution.stable is False:
-        if case.stable:
-            return "converged to an unstable equilibrium"
-        if "unstable" not in said:
-            return "an unstable equilibrium without a warning"
-    if not hard_measures.smallest_volume_ratio(solution) > 0.0:
-        return "converged with an element turned inside out"
-    return ""
-
-
-def _ending_fault(case: HardCase, status: str, said: str) -> str:
-    if status not in case.expected:
-        return f"ended {status}, must end in {' or '.join(case.expected)}"
-    if not re.search(case.said, said):
-        return f"its reason or warning does not say {case.said!r}: {said!r}"
-    return ""
 
 
 def measure(case: HardCase, solution: Solution, full: bool) -> tuple[dict[str, float | None], dict[str, str]]:
@@ -210,7 +171,6 @@ def _walk(case: HardCase, solution: Solution, found: dict[str, float], notes: di
         return
     path = hard_walk.walk(case.bounded)
     if len(path) < hard_walk.STEPS:
-        found.update(dict.fromkeys(WALKED, math.nan))
         notes["drift, hundred steps"] = f"step {len(path) + 1} of {hard_walk.STEPS} did not converge"
         return
     lengths = [rod.rod.length for rod in solution.model.rods]

@@ -38,7 +38,8 @@ def shapes_with(threads: int, names: tuple[str, ...] = ()) -> dict[str, Shape]:
 
 def main() -> None:
     """Solve the cases named on the command line, or all that must converge, and print their shapes."""
-    from validation.hard_cases import hard_cases, solve_case
+    from validation.hard_cases import hard_cases
+    from validation.hard_ending import solve_case
 
     found = {}
     for case in hard_cases():

@@ -11,7 +11,6 @@ Moments fixed in space have no potential, but their work is this integral all th
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 
 import ancf
 from ancf.solution import Solution
-from validation.hard_drift import LOADS, Scene
+from validation.hard_drift import LOADS, Scene, copied
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +46,7 @@ class Balance:
 
 def scaled(scene: Scene, load_factor: float) -> Scene:
     """The scene with all its loads multiplied."""
-    changed = copy.deepcopy(scene)
+    changed = copied(scene)
     for table in LOADS:
         for load in changed.get(table, []):
             load["value"] = [load_factor * v for v in load["value"]]

@@ -72,7 +72,7 @@ def test_every_case_ends_as_it_must():
         try:
             solution = solve_case(case, case.scene)
         except ancf.InputError as error:
-            fault = module._ending_fault(case, "refused", str(error))
+            fault = module.ending_fault(case, "refused", str(error))
         else:
             fault = module.solution_fault(case, solution)
             if not fault and case.deviation is not None:
@@ -170,6 +170,43 @@ def test_a_variant_without_an_answer_fails(monkeypatch, one_process):
     assert result.verdict is Verdict.FAIL
     assert result.measured["drift, turned"] is None
     assert "not_finite" in result.notes["drift, turned"]
+
+
+def test_threads_that_differ_fail(monkeypatch, one_process):
+    right = hard_threads.shapes_with(1)
+    wrong = {name: [r + 1e-8 for r in shape] for name, shape in right.items()}
+    monkeypatch.setattr(hard_threads, "shapes_with", lambda threads: wrong if threads == 2 else right)
+    assert run_hard_case(QUARTER).measured["drift, threads"] == pytest.approx(3**0.5 * 1e-8 / 0.4)
+    monkeypatch.setattr(hard_threads, "shapes_with", lambda threads: {})
+    result = run_hard_case(QUARTER)
+    assert (result.verdict, result.measured["drift, threads"]) == (Verdict.FAIL, None)
+
+
+def test_the_worst_ulp_counts(monkeypatch, one_process):
+    """One input changed by far more than an ulp, and the amplification it is held against."""
+
+    def changes(scene):
+        yield "nothing", module.hard_drift.Variant(scene, lambda shape: shape)
+        yield "too much", module.hard_drift.Variant(rolled(1.6, elements=4), lambda shape: shape)
+        yield "nothing again", module.hard_drift.Variant(scene, lambda shape: shape)
+
+    monkeypatch.setattr(module.hard_drift, "one_ulp", changes)
+    monkeypatch.setattr(module.hard_measures, "load_amplification", lambda solution: 8.0)
+    result = run_hard_case(QUARTER, full=True)
+    found = result.measured["drift, one ulp"]
+    assert found > 1e-3
+    assert result.notes["drift, one ulp"] == "of the too much"
+    assert result.measured["ulp ratio"] == pytest.approx(found / (8.0 * 2.0**-52))
+    assert result.verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize(("order", "shortfall"), [(1.5, 0.5), (2.5, 0.0), (None, 0.0)])
+def test_the_order_falls_short(monkeypatch, one_process, order, shortfall):
+    monkeypatch.setattr(module.hard_measures, "observed_orders", lambda solution: (order, order))
+    result = run_hard_case(QUARTER)
+    assert result.measured["Newton order below 2"] == shortfall
+    assert result.measured.get("Newton order") == order
+    assert (result.verdict is Verdict.FAIL) is (shortfall > 0.2)
 
 
 def test_a_walk_that_stops_fails(monkeypatch, one_process):

@@ -78,6 +78,23 @@ def test_a_turn_that_forgets_a_load_is_caught(forgotten):
     assert drift_of(RICH, wrong) > 1e-5
 
 
+def test_what_a_variant_writes():
+    """Numbers of the scene that the drift does not depend on, or hardly."""
+    rod = {**RICH["rod"][0], "supports": [{"at": 0.0, "kind": "clamp"}, {"at": 1.0, "kind": "pin"}]}
+    scene = {**RICH, "rod": [rod, {**rod, "name": "other"}]}
+    small = hard_drift.in_millimetres(scene).scene
+    assert small["rod"][1]["base"]["position"] == pytest.approx([100.0, -200.0, 300.0])
+    assert small["rod"][0]["material"]["young_modulus"] == 1e6  # g/(mm s2) is Pa
+    other = hard_drift.renumbered(scene).scene
+    assert [r["name"] for r in other["rod"]] == ["stranger", "other", "rod"]
+    assert [s["kind"] for s in other["rod"][-1]["supports"]] == ["pin", "clamp"]
+    assert [load["at"] for load in other["moment"] if "at" in load] == [0.5]
+    assert other["moment"][0]["value"] == RICH["moment"][1]["value"]
+    assert all(load["rod"] == "rod" for load in other["force"])
+    far = hard_drift.moved(scene).scene
+    assert far["rod"][0]["base"]["position"] == pytest.approx([1e6 + 0.1, -1e6 - 0.2, 1e6 + 0.3], abs=1e-9)
+
+
 def test_one_ulp_changes_one_input_by_one_ulp():
     changes = dict(
         hard_drift.one_ulp(arm(force=[force([0, 1.0, 0])], gravity={"acceleration": [0, 0, -2.0]}))

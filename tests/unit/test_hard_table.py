@@ -119,6 +119,7 @@ def test_the_scene_and_the_iterations_are_behind_the_row():
     html = page(result())
     assert "[[rod]]" in html
     assert html.count("<tr><td>6<td>1<td>3<td>1.0e-03<td>1.0e-06") == 1
+    assert "not finite" in page(result(history=[Iteration(1.0, 1, 1e300, math.nan)]))
     long = [Iteration(1.0, i + 1, 1.0, 1.0) for i in range(100)]
     html = page(result(history=long))
     assert "60 more, in report.json" in html
@@ -141,6 +142,11 @@ def test_the_drawing():
     assert y[3] == y[0]
     texts = [text.text for text in svg.findall("text")]
     assert {"0.5", "1"} <= set(texts)  # a line for every load step
+    upright = [path.get("d") for path in svg.findall("path") if "V" in path.get("d")]
+    x = [float(mark.get("cx")) for mark in svg.findall("circle")]
+    at = [float(d[1:].split()[0]) for d in upright]
+    assert at[0] < x[0]
+    assert x[2] < at[1] < x[3]  # between the third iteration and the first of the next step
     dashed = [path for path in svg.findall("path") if path.get("stroke-dasharray")]
     assert len(dashed) == 1
 

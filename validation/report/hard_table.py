@@ -50,8 +50,8 @@ class HardRow:
     slug: str
     cells: list[Cell]
     plot: Markup | None
-    first: list[Iteration]
-    last: list[Iteration]
+    first: list[tuple[str, ...]]
+    last: list[tuple[str, ...]]
     left_out: int
     toml: str
 
@@ -113,7 +113,8 @@ def own_limits(result: HardResult) -> list[tuple[str, Markup, str, str]]:
 
 def _row(result: HardResult) -> HardRow:
     history = result.history
-    long = len(history) > HEAD + TAIL
+    lines = [_line(i + 1, entry) for i, entry in enumerate(history)]
+    long = len(lines) > HEAD + TAIL
     name = slug(result.case.name)
     title = f"Residual and step against iteration: {result.case.name}"
     return HardRow(
@@ -121,11 +122,17 @@ def _row(result: HardResult) -> HardRow:
         name,
         [cell(measure, result) for measure in MEASURES],
         history_plot(history, result.floor or 0.0, title) if history else None,
-        history[:HEAD] if long else history,
-        history[-TAIL:] if long else [],
-        len(history) - HEAD - TAIL if long else 0,
+        lines[:HEAD] if long else lines,
+        lines[-TAIL:] if long else [],
+        len(lines) - HEAD - TAIL if long else 0,
         as_toml(result.case.scene),
     )
+
+
+def _line(number: int, entry: Iteration) -> tuple[str, ...]:
+    """An iteration as the words of a table row."""
+    sizes = [f"{v:.1e}" if math.isfinite(v) else "not finite" for v in (entry.residual, entry.step)]
+    return (str(number), f"{entry.load_factor:.6g}", str(entry.iteration), *sizes)
 
 
 def _group(measure: Measure) -> str:
