@@ -157,7 +157,7 @@ def renumbered(scene: Scene) -> Variant:
 
 
 def one_ulp(scene: Scene) -> Iterator[tuple[str, Variant]]:
-    """Scenes in which one input is the next float64: length, radius, stiffness, loads; by its name."""
+    """Scenes in which one input is the next float64: length, section, stiffness, loads; by its name."""
 
     def kept(shape: Shape) -> Shape:
         return shape
@@ -175,7 +175,7 @@ def one_ulp(scene: Scene) -> Iterator[tuple[str, Variant]]:
 
     def thicker(scene: Scene) -> None:
         section = scene["rod"][0]["section"]
-        section["radius"] = after(section["radius"])
+        section.update({key: after(v) for key, v in section.items() if isinstance(v, int | float)})
 
     def stiffer(scene: Scene) -> None:
         material = scene["rod"][0]["material"]
@@ -187,7 +187,7 @@ def one_ulp(scene: Scene) -> Iterator[tuple[str, Variant]]:
         _accelerate(scene, lambda g: np.array([after(v) for v in g]))
 
     yield "length", variant(longer)
-    yield "radius", variant(thicker)
+    yield "section", variant(thicker)
     yield "stiffness", variant(stiffer)
     if any(any(load["value"]) for load in _loads(scene)) or "gravity" in scene:
         yield "loads", variant(heavier)

@@ -88,7 +88,7 @@ MEASURES = (
     Measure(
         "Newton order below 2",
         "order by residuals",
-        "of the last three between 0.1 and 100 floors; quick: fewer, faster than an order can show",
+        "of the last three between 0.1 and 100 floors; fast: fewer, quicker than an order can show",
         _ORDER,
         shows="Newton order",
     ),
@@ -106,7 +106,7 @@ MEASURES = (
     _drift("moved", "1e6 m away", "base 1e6 m away in all three directions"),
     _drift("reversed", "reversed", "described from its other end: clamp at 1, axis and curvature reversed"),
     _drift("renumbered", "renumbered", "rods, loads, supports in opposite order, behind a stranger"),
-    _drift("one ulp", "one ulp", "length, radius, stiffness or loads as the next float64, the worst", False),
+    _drift("one ulp", "one ulp", "length, section, stiffness or loads as the next float64, the worst", False),
     Measure("ulp ratio", "ulp drift / eps κ", "κ: amplification of the load, at least 1", quick=False),
     _drift("threads", "1 / 2 threads", "BLAS with one thread and with two, in processes of their own"),
     _drift("hundred steps", "100 steps", "the load in a hundred equal steps without predictor", quick=False),

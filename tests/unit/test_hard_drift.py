@@ -99,9 +99,9 @@ def test_one_ulp_changes_one_input_by_one_ulp():
     changes = dict(
         hard_drift.one_ulp(arm(force=[force([0, 1.0, 0])], gravity={"acceleration": [0, 0, -2.0]}))
     )
-    assert list(changes) == ["length", "radius", "stiffness", "loads"]
+    assert list(changes) == ["length", "section", "stiffness", "loads"]
     assert changes["length"].scene["rod"][0]["length"] == np.nextafter(LENGTH, math.inf)
-    assert changes["radius"].scene["rod"][0]["section"]["radius"] == np.nextafter(0.01, math.inf)
+    assert changes["section"].scene["rod"][0]["section"]["radius"] == np.nextafter(0.01, math.inf)
     assert changes["stiffness"].scene["rod"][0]["material"]["young_modulus"] == np.nextafter(1e6, math.inf)
     loads = changes["loads"].scene
     assert loads["gravity"]["acceleration"] == [0, 0, np.nextafter(-2.0, -math.inf)]

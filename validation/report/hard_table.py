@@ -100,7 +100,7 @@ def cell(measure: Measure, result: HardResult) -> Cell:
         text = Markup("no number")
     elif measure.shows:
         order = result.measured.get(measure.shows)
-        text = Markup("quick") if order is None else Markup(f"{order:.2f}")
+        text = Markup("fast") if order is None else Markup(f"{order:.2f}")
     else:
         text = number(value, 2)
     return Cell(text, heat(finding), "; ".join(filter(None, [note, limit])))
