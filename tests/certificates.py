@@ -12,6 +12,7 @@ from validation.criteria import Verdict, judge, worst
 from validation.digests import Roots
 from validation.expected import expected_checks
 from validation.hard_cases import HardResult, hard_cases
+from validation.hard_limits import hard_limits
 from validation.locking import LockingPoint, SlendernessRow
 from validation.outcome import Outcome
 from validation.problems import CaseResult
@@ -61,10 +62,8 @@ def passing_run(roots):
             PropertyResult(check.name, check.title, check.bound, check.unit, 3, held, (1, 2, 3), 0.1)
         )
     for case in hard_cases():
-        deviation = None if case.deviation is None else case.limit / 10
-        run.hard_cases.append(
-            HardResult(case, Verdict.PASS, case.expected[0], "", 1, 0, 5, 1e-12, 1e-12, deviation, 0.1)
-        )
+        held = findings(hard_limits(case))
+        run.hard_cases.append(HardResult(case, Verdict.PASS, case.expected[0], "", findings=held))
     run.locking.append(LockingPoint("3333", "enhanced", 0.3, 1.0, 1.0))
     run.slenderness.append(SlendernessRow(20, 1, [0.1], [0.1]))
     run.work.append(WorkPoint("3333", "8 elements", 100, 1e-4, 0.1, 0.1, 7, 5))

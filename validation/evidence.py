@@ -20,8 +20,6 @@ SHOWN = {"value": "limit"}  # names in the certificate where they differ
 
 def evidence_of(run: Run) -> dict[str, dict[str, Any]]:
     """Every required check of a run: findings, how it ended, regimes that the domain is made of, verdict."""
-    from validation.expected import hard_limits
-
     found: dict[str, dict[str, Any]] = {}
     for case in run.cases:
         if case.case.required:
@@ -35,8 +33,8 @@ def evidence_of(run: Run) -> dict[str, dict[str, Any]]:
     for check in run.properties:
         found[f"property {check.name}"] = _entry(check.verdict, [check.finding])
     for hard in run.hard_cases:
-        findings = [judge(limit, limit.quantity, _number(hard.deviation)) for limit in hard_limits(hard.case)]
-        found[f"hard case {hard.case.name}"] = {**_entry(hard.verdict, findings), "status": hard.status}
+        entry = _entry(hard.verdict, hard.findings, hard.fault)
+        found[f"hard case {hard.case.name}"] = {**entry, "status": hard.status}
     for name, finding in run.study_findings.items():
         found[name] = _entry(finding.verdict, [finding])
     return found

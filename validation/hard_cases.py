@@ -1,280 +1,216 @@
-"""Hard cases: scenes at the edge of what a user may ask, with the status that each must end in.
+"""Run the hard cases: how each ended, what was measured on it, and what that is worth.
 
-Not solving is allowed where no equilibrium exists; ending without a typed reason, or with a number that is
-not
-finite, is not.
+Not solving is right where no equilibrium exists; ending without a typed reason, or with a number that is not
+finite, is not. The verdict depends on statuses, deviations and orders, never on time.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
 
 import ancf
 from ancf.errors import InputError
+from ancf.newton import Iteration
 from ancf.solution import Solution
-from validation.criteria import Verdict
+from validation import hard_drift, hard_measures, hard_threads, hard_walk
+from validation.criteria import Finding, Limit, Verdict, judge, worst
+from validation.hard_buckling import buckling
+from validation.hard_case import HardCase
+from validation.hard_drift import drift, shape_of
+from validation.hard_ending import ending_fault, solution_fault, solve_case
+from validation.hard_families import shapes
+from validation.hard_limits import EPS, WALKED, hard_limits
+from validation.hard_loads import loads
+from validation.hard_starts import starts
 
-LENGTH, YOUNG = 0.4, 1.0e6  # m, Pa
-TYPED_FAILURES = ("not_converged", "limit_point", "inverted_element", "not_finite", "material_unstable")
-
-
-@dataclass(frozen=True)
-class HardCase:
-    """A scene, the statuses it may end in, and what its answer is compared with (None: the status alone)."""
-
-    name: str
-    scene: dict[str, Any]
-    expected: tuple[str, ...]
-    deviation: Callable[[Solution], float] | None = None
-    limit: float = math.inf
-    meaning: str = ""
+VARIANTS = {
+    "units": hard_drift.in_millimetres,
+    "turned": hard_drift.turned,
+    "moved": hard_drift.moved,
+    "reversed": hard_drift.reversed_rods,
+    "renumbered": hard_drift.renumbered,
+}
 
 
 @dataclass(frozen=True)
 class HardResult:
-    """How a hard case ended; `deviation` in the unit of its limit."""
+    """How a hard case ended and what was measured on it.
+
+    `fault` says why it fails whatever its numbers are; `measured` holds numbers by the names of
+    `hard_limits.MEASURES`, None where a number was asked and there is none; `notes` say more on some of them.
+    """
 
     case: HardCase
     verdict: Verdict
     status: str
     reason: str
-    steps: int
-    cutbacks: int
-    iterations: int
-    residual: float | None
-    floor: float | None
-    deviation: float | None
-    seconds: float
+    fault: str = ""
+    steps: int = 0
+    cutbacks: int = 0
+    iterations: int = 0
+    residual: float | None = None
+    floor: float | None = None
+    measured: dict[str, float | None] = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    history: list[Iteration] = field(default_factory=list)
+    seconds: float = 0.0
+    warnings: list[str] = field(default_factory=list)
 
 
-def _scene(
-    slenderness: float = 40.0,
-    young: float = YOUNG,
-    nu: float = 0.3,
-    angle: float | None = None,
-    **changes: Any,
-) -> dict[str, Any]:
-    """The arm under a tip moment E I angle/L about z; `changes` go to the rod, or replace a load table."""
-    radius = LENGTH / slenderness
-    tables = {key: changes.pop(key) for key in ("moment", "force", "gravity", "solver") if key in changes}
-    rod = {
-        "length": LENGTH, "elements": 12, "element": "3333", "section": {"shape": "circle", "radius": radius},
-        "material": {"young_modulus": young, "poisson_ratio": nu, "density": 1070.0}, **changes,
-    }  # fmt: skip
-    if angle is not None:
-        moment = young * math.pi * radius**4 / 4.0 * angle / LENGTH
-        tables["moment"] = [{"value": [0.0, 0.0, moment]}]
-    return {"rod": [rod], **tables}
+@cache
+def hard_cases() -> tuple[HardCase, ...]:
+    """All of them, in the order of the table; names are unique."""
+    cases = (*shapes(), *loads(), *starts(), *buckling())
+    names = [case.name for case in cases]
+    if len(set(names)) != len(names):
+        raise ValueError(f"two hard cases of one name: {sorted(n for n in names if names.count(n) > 1)[0]}")
+    return cases
 
 
-def _stiffness(slenderness: float = 40.0, young: float = YOUNG) -> float:
-    return young * math.pi * (LENGTH / slenderness) ** 4 / 4.0
-
-
-def _from_circle(angle: float) -> Callable[[Solution], float]:
-    """Distance of the tip, over L, from the thin arc that turns by `angle`."""
-
-    def deviation(solution: Solution) -> float:
-        rod = solution.scene.rods[0]
-        exact = LENGTH * np.array(
-            [np.sinc(angle / np.pi), np.sin(angle / 2) * np.sinc(angle / (2 * np.pi)), 0.0]
-        )
-        return float(np.linalg.norm(solution.tip().position - rod.base.position - exact)) / LENGTH
-
-    return deviation
-
-
-def _from_straight(solution: Solution) -> float:
-    return float(np.linalg.norm(solution.tip().position - [LENGTH, 0.0, 0.0])) / LENGTH
-
-
-def hard_cases() -> list[HardCase]:
-    """All of them."""
-    circle, quarter, done = 2 * math.pi, math.pi / 2, ("converged",)
-    EI = _stiffness()
-    push = math.pi**2 / 4 * EI / LENGTH**2  # Euler load of the column
-    both: dict[str, Any] = {"supports": [{"at": 0.0, "kind": "clamp"}, {"at": 1.0, "kind": "clamp"}]}
-    return [
-        HardCase(
-            "full circle, L/R = 5",
-            _scene(5, angle=circle),
-            (*done, *TYPED_FAILURES),
-            None,
-            math.inf,
-            "kappa R = 1.26: the moment exceeds the largest that the section carries; a typed "
-            "failure is right",
-        ),
-        HardCase(
-            "full circle, L/R = 40",
-            _scene(40, angle=circle),
-            done,
-            _from_circle(circle),
-            6e-2,
-            "the tip comes back to the base; finite strain turns it further by 1.4 (kappa R)^2",
-        ),
-        HardCase(
-            "full circle, L/R = 400",
-            _scene(400, angle=circle),
-            done,
-            _from_circle(circle),
-            3e-3,
-            "the same, a hundred times less finite strain",
-        ),
-        HardCase(
-            "full circle, L/R = 4000",
-            _scene(4000, angle=circle),
-            done,
-            _from_circle(circle),
-            3e-3,
-            "float64 positions leave a residual of 6e-7 here; the floor is reported",
-        ),
-        HardCase(
-            "nu = 0.4999, 90 degrees",
-            _scene(nu=0.4999, angle=quarter),
-            done,
-            _from_circle(quarter),
-            2e-3,
-            "nearly incompressible: no Poisson locking with the enhanced law",
-        ),
-        HardCase(
-            "one element, 90 degrees",
-            _scene(400, angle=quarter, elements=1),
-            done,
-            _from_circle(quarter),
-            5e-2,
-            "one quadratic element for a quarter circle",
-        ),
-        HardCase(
-            "200 elements, 90 degrees",
-            _scene(400, angle=quarter, elements=200),
-            done,
-            _from_circle(quarter),
-            1e-4,
-            "cost grows linearly, the floor with the number of elements",
-        ),
-        HardCase(
-            "E = 100 Pa, 90 degrees",
-            _scene(young=1e2, angle=quarter),
-            done,
-            _from_circle(quarter),
-            2e-3,
-            "the tolerance is dimensionless: same digits",
-        ),
-        HardCase(
-            "E = 1e12 Pa, 90 degrees",
-            _scene(young=1e12, angle=quarter),
-            done,
-            _from_circle(quarter),
-            2e-3,
-            "the tolerance is dimensionless: same digits",
-        ),
-        HardCase("no load at all", _scene(), done, _from_straight, 1e-15, "nothing is divided by the load"),
-        HardCase(
-            "two opposite tip forces",
-            _scene(force=[{"value": [0, 1e3, 0]}, {"value": [0, -1e3, 0]}]),
-            done,
-            _from_straight,
-            1e-9,
-            "contradictory loads cancel exactly",
-        ),
-        HardCase(
-            "tip force 1e300 N",
-            _scene(force=[{"value": [0, 1e300, 0]}]),
-            TYPED_FAILURES,
-            None,
-            math.inf,
-            "overflows: a typed reason, nothing that is not finite",
-        ),
-        HardCase(
-            "base 1e6 m away, full circle",
-            _scene(40, angle=circle, base={"position": [1e6, 1e6, -1e6]}),
-            done,
-            _from_circle(circle),
-            6e-2,
-            "same digits as at the origin",
-        ),
-        HardCase(
-            "follower tip force, P L2/EI = 10",
-            _scene(force=[{"value": [0, 10 * EI / LENGTH**2, 0], "direction": "follower"}]),
-            done,
-            None,
-            math.inf,
-            "unsymmetric load tangent, no closed-form start",
-        ),
-        HardCase(
-            "clamped at both ends, moment at the middle",
-            _scene(moment=[{"at": 0.5, "value": [0, 0, 10 * EI / LENGTH]}], **both),
-            done,
-            None,
-            math.inf,
-            "statically indeterminate, no predictor",
-        ),
-        HardCase(
-            "perfect column at 3 Euler loads",
-            _scene(force=[{"value": [-3 * push, 0, 0]}]),
-            (*done, *TYPED_FAILURES),
-            None,
-            math.inf,
-            "perfect: the straight shape is an equilibrium, and the result warns that it is unstable",
-        ),
-        HardCase(
-            "column with 0.1 % lateral load at 3 Euler loads",
-            _scene(force=[{"value": [-3 * push, 3e-3 * push, 0]}]),
-            done,
-            None,
-            math.inf,
-            "one long step would land on the unstable, nearly straight shape; the path takes the buckled one",
-        ),
-        HardCase(
-            "pinned at one end only",
-            _scene(supports=[{"at": 0.0, "kind": "pin"}], force=[{"value": [0, 0.01, 0]}]),
-            ("refused", *TYPED_FAILURES),
-            None,
-            math.inf,
-            "a mechanism: refused before anything is computed (exit code 2)",
-        ),
-    ]
-
-
-def run_hard_case(case: HardCase) -> HardResult:
-    """Solve one and judge how it ended."""
+def run_hard_case(case: HardCase, full: bool = False) -> HardResult:
+    """Solve one, measure it, and judge both; an exception of the solver is a fault, never a crash."""
     started = time.perf_counter()
     try:
-        solution = ancf.solve(ancf.scene_from_dict(case.scene))
-        deviation = None if case.deviation is None else case.deviation(solution)
+        solution = solve_case(case, case.scene)
     except InputError as error:
-        seconds = time.perf_counter() - started
-        verdict = Verdict.PASS if "refused" in case.expected else Verdict.FAIL
-        return HardResult(case, verdict, "refused", error.message.what, 0, 0, 0, None, None, None, seconds)
+        reason = str(error.message.what)
+        fault = ending_fault(case, "refused", str(error))
+        return HardResult(case, _verdict(fault, []), "refused", reason, fault, seconds=_since(started))
     except Exception as error:  # a traceback is the one thing that must not happen
-        seconds = time.perf_counter() - started
         reason = f"{type(error).__name__}: {error}"
-        return HardResult(case, Verdict.FAIL, "exception", reason, 0, 0, 0, None, None, None, seconds)
-    seconds = time.perf_counter() - started
-    status = str(solution.status)
-    good = status in case.expected and (deviation is None or deviation <= case.limit)
-    explained = status == "converged" or bool(solution.reason)
-    finite = bool(np.isfinite(solution.q).all())
-    verdict = Verdict.PASS if good and explained and finite else Verdict.FAIL
+        return HardResult(case, Verdict.FAIL, "exception", reason, reason, seconds=_since(started))
+    seconds = _since(started)
+    fault = solution_fault(case, solution)
+    measured: dict[str, float | None] = {}
+    notes: dict[str, str] = {}
+    if case.solvable and solution.status is ancf.Status.CONVERGED:
+        try:
+            measured, notes = measure(case, solution, full)
+        except Exception as error:  # the answer stands; what cannot be measured on it fails
+            fault = fault or f"not measured: {type(error).__name__}: {error}"
+    findings = judged(hard_limits(case, full), measured)
     return HardResult(
-        case, verdict, status, solution.reason, solution.steps, solution.cutbacks, solution.iterations,
-        _finite(solution.residual), _finite(solution.residual_floor), None if deviation is None else
-        _finite(deviation),
+        case,
+        _verdict(fault, findings),
+        str(solution.status),
+        solution.reason,
+        fault,
+        solution.steps,
+        solution.cutbacks,
+        solution.iterations,
+        _finite(solution.residual),
+        _finite(solution.residual_floor),
+        measured,
+        notes,
+        findings,
+        list(solution.history),
         seconds,
-    )  # fmt: skip
+        list(solution.warnings),
+    )
+
+
+def measure(case: HardCase, solution: Solution, full: bool) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Numbers of a converged case by name, and notes on them; NaN where an asked number has no answer."""
+    found: dict[str, float] = {"iterations": float(solution.iterations)}
+    notes: dict[str, str] = {}
+    if case.deviation is not None:
+        found["deviation"] = case.deviation(solution)
+    found["residual over floor"] = solution.residual / max(
+        solution.scene.solver.tolerance, solution.residual_floor
+    )
+    orders = hard_measures.observed_orders(solution)
+    for name, order in zip(("Newton order", "Newton order by steps"), orders, strict=True):
+        found[f"{name} below 2"] = 0.0 if order is None else max(0.0, 2.0 - order)
+        if order is not None:
+            found[name] = order
+    found["condition number"] = hard_measures.condition_number(hard_measures.dimensionless_tangent(solution))
+    found["min det F"] = hard_measures.smallest_volume_ratio(solution)
+    _drifts(case, solution, found, notes, full)
+    if full or case.walk == "quick":
+        _walk(case, solution, found, notes)
+    kept = {name: value for name, value in found.items() if name not in case.not_asked}
+    return {name: _finite(value) for name, value in kept.items()}, notes
+
+
+def _drifts(
+    case: HardCase, solution: Solution, found: dict[str, float], notes: dict[str, str], full: bool
+) -> None:
+    """Drift of every variant; in a full run of one ulp too, and the amplification it is held against."""
+    shape, lengths = shape_of(solution), [rod.rod.length for rod in solution.model.rods]
+
+    def against(name: str, variant: hard_drift.Variant) -> float:
+        other = solve_case(case, variant.scene)
+        if other.status is not ancf.Status.CONVERGED:
+            notes[name] = f"{other.status}: {other.reason}"
+            return math.nan
+        return drift(shape, variant.restore(shape_of(other)), lengths)
+
+    for name, change in VARIANTS.items():
+        found[f"drift, {name}"] = against(f"drift, {name}", change(case.scene))
+    one, two = (hard_threads.shapes_with(n).get(case.name) for n in (1, 2))
+    found["drift, threads"] = math.nan if one is None or two is None else drift(one, two, lengths)
+    if not full:
+        return
+    changes = {name: against("drift, one ulp", variant) for name, variant in hard_drift.one_ulp(case.scene)}
+    by_size = sorted(changes, key=lambda name: (math.isnan(changes[name]), changes[name]))
+    found["drift, one ulp"] = changes[by_size[-1]]
+    notes.setdefault("drift, one ulp", f"of the {by_size[-1]}")
+    amplification = max(1.0, hard_measures.load_amplification(solution))
+    found["ulp ratio"] = found["drift, one ulp"] / (EPS * amplification)
+    notes["ulp ratio"] = f"amplification {amplification:.2g}"
+
+
+def _walk(case: HardCase, solution: Solution, found: dict[str, float], notes: dict[str, str]) -> None:
+    """A hundred steps: where they lead, and the work on the way."""
+    if all(name in case.not_asked for name in WALKED):
+        return
+    path = hard_walk.walk(case.bounded)
+    if len(path) < hard_walk.STEPS:
+        notes["drift, hundred steps"] = f"step {len(path) + 1} of {hard_walk.STEPS} did not converge"
+        return
+    lengths = [rod.rod.length for rod in solution.model.rods]
+    found["drift, hundred steps"] = drift(shape_of(solution), shape_of(path[-1]), lengths)
+    balance = hard_walk.energy_balance(path)
+    found["energy balance"] = balance.error
+    order = balance.trapezoid_order
+    found["energy order off 2"] = 0.0 if order is None else abs(order - 2.0)
+    if order is not None:
+        found["energy order"] = order
+    kind = "loads have a potential" if solution.model.conservative else "loads without a potential"
+    notes["energy balance"] = f"{kind}; trapezoid {balance.trapezoid_error:.1e}"
+    if balance.simpson_order is not None:
+        notes["energy order off 2"] = f"Simpson: order {balance.simpson_order:.2f}"
+
+
+def judged(limits: tuple[Limit, ...], measured: dict[str, float | None]) -> list[Finding]:
+    """A finding for every limit; a quantity without a number fails."""
+    found = []
+    for limit in limits:
+        value = measured.get(limit.quantity)
+        found.append(judge(limit, limit.quantity, math.nan if value is None else value))
+    return found
+
+
+def _verdict(fault: str, findings: list[Finding]) -> Verdict:
+    if fault:
+        return Verdict.FAIL
+    return worst(f.verdict for f in findings) if findings else Verdict.PASS
 
 
 def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def run() -> Iterator[HardResult]:
+def _since(started: float) -> float:
+    return time.perf_counter() - started
+
+
+def run(full: bool = False) -> Iterator[HardResult]:
     """Run all, one result at a time."""
     for case in hard_cases():
-        yield run_hard_case(case)
+        yield run_hard_case(case, full)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from validation.criteria import Finding, Verdict
 
 if TYPE_CHECKING:
+    from ancf.newton import Iteration
     from validation.problems import CaseResult
     from validation.runner import Run
 from validation.cases import formulation_of
@@ -82,13 +83,21 @@ def as_dict(run: Run) -> dict[str, Any]:
             "hard_cases": [
                 {
                     "name": r.case.name,
+                    "family": r.case.family,
+                    "expected": r.case.expected,
                     "status": r.status,
                     "reason": r.reason,
+                    "fault": r.fault,
                     "steps": r.steps,
                     "cutbacks": r.cutbacks,
                     "iterations": r.iterations,
                     "residual": r.residual,
                     "residual_floor": r.floor,
+                    "measured": r.measured,
+                    "notes": r.notes,
+                    "checks": [finding_dict(f) for f in r.findings],
+                    "history": [_iteration(h) for h in r.history],
+                    "seconds": r.seconds,
                     "verdict": str(r.verdict),
                 }
                 for r in run.hard_cases
@@ -102,6 +111,11 @@ def as_dict(run: Run) -> dict[str, Any]:
             "seconds": run.seconds,
         }
     )
+
+
+def _iteration(entry: Iteration) -> list[float]:
+    """Load factor, number in its run, residual, step of an iteration, to the digits that a reader wants."""
+    return [entry.load_factor, entry.iteration, float(f"{entry.residual:.3e}"), float(f"{entry.step:.3e}")]
 
 
 def case_dict(result: CaseResult) -> dict[str, Any]:

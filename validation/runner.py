@@ -235,7 +235,7 @@ def tasks(part: str, scope: str, expected: Iterable[Case]) -> Iterator[Task]:
         yield Task(part, "table", locking.slenderness_table, SlendernessRow)
     elif part == "hard cases":
         for case in hard_cases.hard_cases():
-            yield Task(part, case.name, partial(_one_hard_case, case), HardResult, {HardCase: case})
+            yield Task(part, case.name, partial(_one_hard_case, case, full), HardResult, {HardCase: case})
     elif part == "work-precision":
         repeats = (20, 3) if full else (7, 2)
         yield Task(part, "beams", lambda: work_precision.beam_points(repeats[0], full), WorkPoint)
@@ -298,5 +298,5 @@ def _one_check(run_check: Callable[[], CheckResult]) -> list[CheckResult]:
     return [run_check()]
 
 
-def _one_hard_case(case: HardCase) -> list[HardResult]:
-    return [hard_cases.run_hard_case(case)]
+def _one_hard_case(case: HardCase, full: bool) -> list[HardResult]:
+    return [hard_cases.run_hard_case(case, full)]

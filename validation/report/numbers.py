@@ -64,8 +64,8 @@ def margin(value: float | None, kind: str = "reference") -> Markup:
 
 SIGNS = (
     (r"\bnu\b", "ν"), (r"\blambda\b", "λ"), (r"\bkappa\b", "κ"), (r"\btheta\b", "θ"), (r"\bpsi\b", "ψ"),
-    (r"\bpi\b", "π"), (r"sqrt\((\d+)\)", r"√\1"), (r"\^2\b", "²"), (r"\^3\b", "³"), (r"\^4\b", "⁴"),
-    (r"\bL2\b", "L²"), (r"\^T\b", "ᵀ"), (r" -> ", " → "),
+    (r"\brho\b", "ρ"), (r"\bpi\b", "π"), (r"sqrt\((\d+)\)", r"√\1"), (r"\^2\b", "²"), (r"\^3\b", "³"),
+    (r"\^4\b", "⁴"), (r"\bL2\b", "L²"), (r"\bL3\b", "L³"), (r"\^T\b", "ᵀ"), (r" -> ", " → "),
     (r"\bm4\b", "m⁴"), (r"\b(\d(?:\.\d+)?)e-0?(\d+)\b", r"\1 × 10⁻\2"),
 )  # fmt: skip
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")

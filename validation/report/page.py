@@ -23,6 +23,7 @@ from validation.record import write_text
 from validation.report import figures_cross, figures_paper, figures_studies, numbers
 from validation.report.captions import captions
 from validation.report.coverage import coverage, domain_rows
+from validation.report.hard_table import chapter
 from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
@@ -112,6 +113,7 @@ def context(run: Run) -> dict[str, Any]:
         "matrices": matrices(run.cases),
         "groups": _groups(references),
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
+        "hard": chapter(run.hard_cases),
         "figures": _figures(run),
         "captions": captions(run),
         "shortfall": SHORTFALL,
@@ -251,7 +253,9 @@ def _figures(run: Run) -> dict[str, Markup | None]:
 def _anchor(check: str) -> str:
     """Where on the page a named check stands."""
     kind, _, name = check.partition(" ")
-    places = {"order": "convergence", "property": "properties", "hard": "hard-cases", "locking": "locking",
+    if check.startswith("hard case "):
+        return f"hard-{slug(check.removeprefix('hard case '))}"
+    places = {"order": "convergence", "property": "properties", "locking": "locking",
               "slenderness": "locking", "work-precision": "work", "part": "environment",
               "reference": "reference-checks"}  # fmt: skip
     return f"case-{slug(name)}" if kind == "case" else places.get(kind, "")
