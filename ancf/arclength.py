@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import BandLU
-from ancf.failure import smallest_determinant
+from ancf.failure import is_collapsed
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
@@ -244,7 +244,7 @@ class Follower:
         result = newton(self.model, q, load_factor, STEP_ITERATIONS, self.deadline, plane)
         self.history += result.history
         self.failure = result
-        if not result.converged or smallest_determinant(self.model, result.q)[2] <= 0.0:
+        if not result.converged or is_collapsed(self.model, result.q):
             return None
         dq, dl = result.q - last.q, result.load_factor - last.load_factor
         chord = self.metric.unit(dq, dl)

@@ -26,6 +26,9 @@ LIMIT_POINT_RATE = 20.0
 # Uniaxial Saint Venant-Kirchhoff, P = E (s^3 - s) / 2, carries no more compression below the stretch
 # s = 1/sqrt(3) = 0.577; a rod within 3 % of it when the search ends has met that limit.
 UNSTABLE_STRETCH = 0.595
+# A section squeezed to less of its volume has collapsed to a line or a point: Saint Venant-Kirchhoff, finite
+# there, has equilibria of that kind, and none of them is a rod.
+SMALLEST_VOLUME = 1e-4
 # Beyond this many E I / L^2 a load pulls the rod into a boundary layer shorter than any sensible element.
 EXTREME_LOAD = 1e5
 # An element whose ends turn against each other by more [rad] is too long: the tip is off by 4e-4 L at 0.52
@@ -120,9 +123,9 @@ def explain(model: Model, trace: Trace) -> Message:
     elif trace.status is Status.INVERTED_ELEMENT:
         rod, element, determinant = smallest_determinant(model, failed.q)
         where = f"load step {trace.steps + 1}, rod {rod!r}, element {element}"
-        value = f"det F = {determinant:.3g}, must be positive"
+        value = f"det F = {determinant:.3g}, must exceed {SMALLEST_VOLUME:g}"
         cause, advice = "the element is turned inside out", "reduce the load or use more elements"
-        if determinant > 0.0:
+        if determinant > SMALLEST_VOLUME:
             value += f", and is not after {SMALLEST_SHARE:g} of the next step"
             cause, advice = _CAUSES[Outcome.INVERTED]
     elif load > EXTREME_LOAD:
@@ -132,6 +135,11 @@ def explain(model: Model, trace: Trace) -> Message:
         cause = f"elements too long: one turns by {turn:.2g} rad between its ends"
         advice = f"use at least {turn / (0.5 * LARGEST_TURN):.0f} times as many elements"
     return Message(what, where, value, cause, advice)
+
+
+def is_collapsed(model: Model, q: Floats) -> bool:
+    """Whether q (n,) has a section turned inside out or squeezed to nothing."""
+    return not smallest_determinant(model, q)[2] > SMALLEST_VOLUME
 
 
 def smallest_determinant(model: Model, q: Floats) -> tuple[str, int, float]:

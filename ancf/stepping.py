@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.failure import smallest_determinant, status_of_failure
+from ancf.failure import is_collapsed, status_of_failure
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
@@ -101,7 +101,7 @@ def _accept(
     model: Model, trace: Trace, result: NewtonResult, load_factor: float, stable: bool | None
 ) -> bool:
     """Take over a converged step whose configuration is not turned inside out."""
-    if result.converged and smallest_determinant(model, result.q)[2] > 0.0:
+    if result.converged and not is_collapsed(model, result.q):
         trace.q, trace.load_factor = result.q, load_factor
         trace.residual, trace.floor = result.residual, result.floor
         trace.stable = stable

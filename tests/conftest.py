@@ -1,5 +1,5 @@
-"""Hypothesis profiles: HYPOTHESIS_PROFILE=dev (25 examples), ci (100), gate (500) or long (10 000), ci and gate
-derandomised.
+"""Hypothesis profiles by HYPOTHESIS_PROFILE: dev (25 examples), ci (100), gate (500), long (10 000);
+ci and gate are derandomised.
 """
 
 import os

@@ -42,7 +42,7 @@ def energy_error(solution: Solution) -> float:
 
 
 def work_error(solution: Solution, rng: np.random.Generator, motions: int = 2) -> float:
-    """Largest difference of inner and outer virtual work over E I/L and the size of either, random motions."""
+    """Largest difference of inner and outer virtual work, over E I/L plus either, in random motions."""
     unit = max(rod.bending_stiffness / rod.rod.length for rod in solution.model.rods)
     worst = 0.0
     for _ in range(motions):
@@ -72,7 +72,7 @@ def _works(solution: Solution, motion: Floats, step: float) -> tuple[float, floa
 def _motion(solution: Solution, rng: np.random.Generator) -> Floats:
     """Motion (n,) that bends, twists and shears the rods, and stretches them as little as it can.
 
-    The sections spin by a polynomial w(s) that vanishes at the supports and the axis goes along, r' = w x r_x,
+    The sections spin by a polynomial w(s), zero at the supports, and the axis goes along, r' = w x r_x,
     so that the stiffness against stretch does not drown the work; a hundredth of any other motion is added.
     """
     model = solution.model
