@@ -85,7 +85,6 @@ def buckling() -> Iterator[HardCase]:
 
 
 WAITING = (
-    ("taper 10:1 and a stiffness jump of 1e4", "segments"),
     ("right-angle frame, ring", "joints"),
     ("shallow arch: snap-through and snap-back", 'method = "arclength"'),
     ("lateral buckling of a strip, branch switching", "[stability]"),

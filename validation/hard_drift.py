@@ -67,13 +67,14 @@ def in_millimetres(scene: Scene) -> Variant:
     """Lengths in mm, masses in g: every number of the scene in units of mm, g and s."""
     changed = copied(scene)
     for rod in changed["rod"]:
-        rod["length"] *= MM_G_S["length"]
-        section = rod["section"]
-        for key, value in section.items():
-            if key != "shape":
-                section[key] = (np.asarray(value, float) * MM_G_S["length"]).tolist()
-        if "density" in rod["material"]:
-            rod["material"]["density"] *= MM_G_S["density"]
+        for piece in _pieces(rod):
+            piece["length"] *= MM_G_S["length"]
+            for section in (piece[key] for key in ("section", "section_end") if key in piece):
+                for key, value in section.items():
+                    if key != "shape":
+                        section[key] = (np.asarray(value, float) * MM_G_S["length"]).tolist()
+            if "density" in piece["material"]:
+                piece["material"]["density"] *= MM_G_S["density"]
         if "position" in rod.get("base", {}):
             rod["base"]["position"] = [x * MM_G_S["length"] for x in rod["base"]["position"]]
         if "curvature" in rod:
@@ -126,6 +127,10 @@ def reversed_rods(scene: Scene) -> Variant:
         rod["base"] = {"position": place, "x_axis": (-axes[:, 0]).tolist(), "y_axis": axes[:, 1].tolist()}
         rod["supports"] = [{"at": 1.0 - s.at, "kind": s.kind} for s in record.supports]
         rod["curvature"] = (record.curvature * np.array([1.0, -1.0, 1.0])).tolist()
+        if "segments" in rod:
+            rod["segments"] = rod["segments"][::-1]
+            for piece in (piece for piece in rod["segments"] if "section_end" in piece):
+                piece["section"], piece["section_end"] = piece["section_end"], piece["section"]
     for load in _loads(changed):
         if "value" in load and load in changed.get("line_load", []):
             continue
@@ -171,14 +176,15 @@ def one_ulp(scene: Scene) -> Iterator[tuple[str, Variant]]:
         return Variant(changed, kept)
 
     def longer(scene: Scene) -> None:
-        scene["rod"][0]["length"] = after(scene["rod"][0]["length"])
+        piece = _pieces(scene["rod"][0])[0]
+        piece["length"] = after(piece["length"])
 
     def thicker(scene: Scene) -> None:
-        section = scene["rod"][0]["section"]
+        section = _pieces(scene["rod"][0])[0]["section"]
         section.update({key: after(v) for key, v in section.items() if isinstance(v, int | float)})
 
     def stiffer(scene: Scene) -> None:
-        material = scene["rod"][0]["material"]
+        material = _pieces(scene["rod"][0])[0]["material"]
         material.update({key: after(material[key]) for key in STIFFNESSES if key in material})
 
     def heavier(scene: Scene) -> None:
@@ -191,6 +197,11 @@ def one_ulp(scene: Scene) -> Iterator[tuple[str, Variant]]:
     yield "stiffness", variant(stiffer)
     if any(any(load["value"]) for load in _loads(scene)) or "gravity" in scene:
         yield "loads", variant(heavier)
+
+
+def _pieces(rod: Scene) -> list[Scene]:
+    """The tables with length, section and material of a rod: its segments, or itself."""
+    return rod.get("segments", [rod])
 
 
 def _loads(scene: Scene) -> list[Scene]:
