@@ -3,7 +3,24 @@
 from reference.bending import BendingSection, BendingState, pure_bending_curvature, pure_bending_moment
 from reference.buckling import euler_load, lateral_buckling_load, self_weight_load
 from reference.constant_curvature import constant_curvature_moment, constant_curvature_pose, printed_eq47
-from reference.elastica import ElasticaTip, elastica_tip_force
+from reference.critical_loads import (
+    Flutter,
+    RingTwist,
+    beck_flutter,
+    column_load,
+    hinged_frame_moment,
+    ring_twist,
+    shaft_torque,
+)
+from reference.elastica import (
+    BuckledTip,
+    ElasticaTip,
+    buckled_tip,
+    elastica_closing_ratio,
+    elastica_shortening,
+    elastica_tip_force,
+)
+from reference.hanging import HangingBar, hanging_bar, hanging_saint_venant_kirchhoff
 from reference.helix import RodShape, helix_tip_moment, space_moment
 from reference.helix_inverse import HelixMoment, helix_inverse
 from reference.torsion import (
@@ -24,22 +41,36 @@ from reference.uniaxial import (
 __all__ = [
     "BendingSection",
     "BendingState",
+    "BuckledTip",
     "ElasticaTip",
+    "Flutter",
+    "HangingBar",
     "HelixMoment",
+    "RingTwist",
     "RodShape",
     "Stretch",
+    "beck_flutter",
+    "buckled_tip",
+    "column_load",
     "constant_curvature_moment",
     "constant_curvature_pose",
+    "elastica_closing_ratio",
+    "elastica_shortening",
     "elastica_tip_force",
     "euler_load",
     "full_hooke_locking_factor",
+    "hanging_bar",
+    "hanging_saint_venant_kirchhoff",
     "helix_inverse",
     "helix_tip_moment",
+    "hinged_frame_moment",
     "lateral_buckling_load",
     "printed_eq47",
     "pure_bending_curvature",
     "pure_bending_moment",
+    "ring_twist",
     "self_weight_load",
+    "shaft_torque",
     "space_moment",
     "torsion_constant_bilinear_section",
     "torsion_constant_circle",

@@ -1,17 +1,17 @@
-"""Elastica: inextensible, shear-free cantilever under a dead transverse tip force.
+"""Elastica: inextensible, shear-free cantilever under a dead tip force, transverse or axial (buckled).
 
 Symbols
 -------
 theta   angle of the tangent, tip value theta_tip, [rad]
 alpha   sqrt(P L^2/EI), [-]
-m       parameter of the elliptic integrals, (1 + sin theta_tip)/2
+m       parameter of the elliptic integrals, (1 + sin theta_tip)/2; buckled: sin^2(theta_tip/2)
 beta    pi/2 - theta_tip
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin, cos, exp, log, pi, sin, sqrt
+from math import acos, asin, cos, exp, expm1, log, pi, sin, sqrt
 
 import numpy as np
 from scipy.special import elliprd, elliprf
@@ -111,3 +111,73 @@ def elastica_tip_force(load: float) -> ElasticaTip:
         angle = pi / 2 - beta
     sign = 1.0 if load > 0 else -1.0
     return ElasticaTip(u, sign * w, sign * angle)
+
+
+@dataclass(frozen=True)
+class BuckledTip:
+    """Tip of the buckled column: position `x` along the unbent axis and `y` across, over L; `angle` [rad]."""
+
+    x: float
+    y: float
+    angle: float
+
+
+def buckled_tip(load_ratio: float) -> BuckledTip:
+    """Tip of a clamped-free elastica under a dead axial compression k P_E, P_E = pi^2 EI/(4 L^2).
+
+    K(m) = (pi/2) sqrt(k), m = sin^2(angle/2); x/L = 2 E(m)/K(m) - 1, y/L = 2 sqrt(m)/K(m).
+
+    Parameters
+    ----------
+    load_ratio : k [-]; up to 1 the column is straight
+
+    Returns
+    -------
+    BuckledTip of the branch with y > 0 and one quarter wave (x < 0: the tip has passed the clamp)
+
+    Raises
+    ------
+    ValueError beyond k = 231, where 1 - m leaves double precision.
+
+    Notes
+    -----
+    EI theta'' = -P sin theta; Love, Treatise, art. 263; Timoshenko and Gere, art. 2.7. K and E of 1 - m by
+    Carlson's forms R_F, R_D, exact as m -> 1: 1e-12 from k = 1 + 1e-8 on. A clamped-guided or pinned-pinned
+    column consists of two quarter waves, a clamped-clamped one of four, each of this shape:
+    `elastica_shortening`.
+    """
+    if load_ratio <= 1:
+        return BuckledTip(1.0, 0.0, 0.0)
+    K = pi / 2 * sqrt(load_ratio)
+
+    def gap(x: float) -> float:
+        return float(elliprf(0.0, exp(x), 1.0)) - K
+
+    low = -45.0
+    if gap(low) < 0:
+        raise ValueError(f"load ratio {load_ratio:.4g} is beyond the range of double precision")
+    m1 = exp(bracketed_root(gap, low, 0.0, absolute=1e-16))
+    m = -expm1(log(m1))
+    # E = K - (m/3) R_D(0, 1 - m, 1)
+    return BuckledTip(
+        x=1 - 2 * m / 3 * float(elliprd(0.0, m1, 1.0)) / K, y=2 * sqrt(m) / K, angle=2 * acos(sqrt(m1))
+    )
+
+
+def elastica_shortening(load_ratio: float) -> float:
+    """Approach of the ends of a buckled elastica along its axis, over L, at the load k P_E.
+
+    2 (1 - E(m)/K(m)), K(m) = (pi/2) sqrt(k), in the first mode of a column that is clamped-free,
+    clamped-guided, pinned-pinned or clamped-clamped, P_E being its own Euler load. load_ratio k [-]; zero up
+    to 1, slope 2 from there. Love, art. 263.
+    """
+    return 1 - buckled_tip(load_ratio).x
+
+
+def elastica_closing_ratio() -> float:
+    """Load over Euler's load at which the two ends of a buckled elastica meet: P/P_E = 2.18338.
+
+    2 E(m) = K(m), m = 0.826115 (angle at the ends 130.71 degrees), for a pinned-pinned or clamped-clamped
+    column. Love, art. 263; Timoshenko and Gere, art. 2.7.
+    """
+    return bracketed_root(lambda k: buckled_tip(k).x, 2.0, 3.0)
