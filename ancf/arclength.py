@@ -58,6 +58,7 @@ class PathPoint:
     q: Floats
     negative: int
     tangent: Direction
+    log_determinant: float = 0.0
     residual: float = 0.0
     floor: float = 0.0
 
@@ -259,6 +260,7 @@ class Follower:
             q=result.q,
             negative=self._negative(result.lu, result.flat, result.q, result.load_factor),
             tangent=tangent,
+            log_determinant=result.lu.log_determinant,
             residual=result.residual,
             floor=result.floor,
         )

@@ -61,6 +61,11 @@ class BandLU:
         return x
 
     @property
+    def log_determinant(self) -> float:
+        """Logarithm of the size of the determinant."""
+        return float(np.sum(np.log(np.abs(self.lu[2 * self.pattern.b]))))
+
+    @property
     def determinant_sign(self) -> int:
         """Sign of the determinant; it flips when a simple eigenvalue passes through zero."""
         swaps = np.count_nonzero(self.pivots != np.arange(self.pattern.n))

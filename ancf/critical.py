@@ -1,13 +1,15 @@
 r"""Critical points of a path: where an eigenvalue of the tangent passes through zero, and branches there.
 
 The count of negative eigenvalues tells between which points of the path a critical one lies. The eigenvalue
-that changes its sign there, a smooth function along the path, is brought to zero by the secant method. With
-its mode phi the point is a limit point of the load factor if phi^T Q_ext != 0, else a bifurcation. (Wriggers,
-Nonlinear Finite Element Methods, 2008, ch. 7.) Flutter of follower loads is no static phenomenon: not seen.
+that changes its sign there (without a potential: the determinant), smooth along the path, is brought to zero
+by the secant method. With the left mode psi, the mode itself where there is a potential, the point is a limit
+point of the load factor if psi^T Q_ext != 0, else a bifurcation. (Wriggers, Nonlinear Finite Element Methods, 2008,
+ch. 7.) Flutter of follower loads is no static phenomenon: not seen.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -53,18 +55,21 @@ def critical_points(path: Follower) -> Iterator[CriticalPoint]:
     yield from sorted(found, key=lambda c: c.point.arc)
 
 
-def _eigenvalue(path: Follower, point: PathPoint, index: int) -> float:
+def _zero_at_critical(path: Follower, point: PathPoint, index: int, scale: float) -> float:
+    """The eigenvalue number `index`, or for loads without a potential the determinant over exp(scale)."""
     if path.model.conservative:
         f, _ = path.spectrum.lowest(point.q, point.load_factor, index + 1, path.held_motions)
         return float(f[index])
-    return path.spectrum.nearest_zero(point.q, point.load_factor)[0]
+    size = math.exp(min(point.log_determinant - scale, 0.0))
+    return -size if point.negative else size
 
 
 def _locate(path: Follower, index: int) -> PathPoint | None:
     """Point between the last two where the eigenvalue number `index` is zero (Illinois secant method)."""
     a, b = path.points[-2:]
+    scale = max(a.log_determinant, b.log_determinant)
     x = [0.0, 1.0]
-    f = [_eigenvalue(path, point, index) for point in (a, b)]
+    f = [_zero_at_critical(path, point, index, scale) for point in (a, b)]
     if not f[0] * f[1] < 0.0:
         return None
     best, side = (a if abs(f[0]) < abs(f[1]) else b), 0
@@ -74,7 +79,7 @@ def _locate(path: Follower, index: int) -> PathPoint | None:
         if point is None:
             return best
         best = point
-        here = _eigenvalue(path, point, index)
+        here = _zero_at_critical(path, point, index, scale)
         replaced = 0 if here * f[0] > 0.0 else 1
         moved = abs(share - x[replaced])
         x[replaced], f[replaced] = share, here
@@ -92,13 +97,14 @@ def _classified(path: Follower, point: PathPoint, index: int, high: int) -> Crit
         f, modes = path.spectrum.lowest(point.q, point.load_factor, high + 2, path.held_motions)
         scale = float(np.abs(f[-1]))
         alike = [i for i in range(len(f)) if i == index or abs(f[i]) < MULTIPLE * scale]
-        modes = modes[:, alike].T
+        left = modes = modes[:, alike].T
     else:
         modes = path.spectrum.nearest_zero(point.q, point.load_factor)[1][None]
+        left = path.spectrum.nearest_zero(point.q, point.load_factor, left=True)[1][None]
     modes = np.array([m / np.sqrt(path.metric.inner(m, m)) for m in modes])
     load = model.system.project(model.residual(point.q).Q_ext) / model.force_unit
-    size = np.linalg.norm(load) * np.linalg.norm(modes / model.unit, axis=1)
-    work = np.abs((modes / model.unit) @ load) / np.where(size > 0.0, size, 1.0)
+    size = np.linalg.norm(load) * np.linalg.norm(left / model.unit, axis=1)
+    work = np.abs((left / model.unit) @ load) / np.where(size > 0.0, size, 1.0)
     kind = "limit" if np.max(work) > LIMIT else "bifurcation"
     return CriticalPoint(kind, point, _aligned(path, modes))
 

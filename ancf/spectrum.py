@@ -32,6 +32,7 @@ Floats = NDArray[np.float64]
 
 EXTRA = 6  # eigenvalues that Lanczos finds beyond those asked for
 REAL = 1e-9  # relative imaginary part that rounding leaves of a real eigenvalue
+DENSE_UNSYMMETRIC = 100  # the same without symmetry
 DENSE = 600  # unknowns up to which a dense solver is faster than Lanczos
 
 
@@ -135,10 +136,11 @@ class Spectrum:
         count = self.size if self.size <= DENSE else EXTRA
         return int(np.count_nonzero(self.lowest(q, load_factor, count, held)[0] < 0.0))
 
-    def nearest_zero(self, q: Floats, load_factor: float) -> tuple[float, Floats]:
-        """Real eigenvalue of smallest magnitude and its mode (n,) [SI]; of any scene."""
+    def nearest_zero(self, q: Floats, load_factor: float, left: bool = False) -> tuple[float, Floats]:
+        """Real eigenvalue of smallest magnitude and its mode, or left mode, (n,) [SI]; of any scene."""
         S, n = self.matrix(q, load_factor), self.size
-        if n <= DENSE:
+        S = sparse.csr_array(S.T) if left else S
+        if n <= DENSE_UNSYMMETRIC:
             solver, arguments = eig, (S.toarray(),)
         else:
             solver, arguments = partial(eigs, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n)), (S,)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,7 @@ def from_moment(segments: list[Scene], value: float) -> Deviation:
         marks = [0.0, *_joints(segments), LENGTH]
         angle, r = 0.0, np.zeros(3)
         t, w = np.polynomial.legendre.leggauss(60)
-        for a, b in zip(marks[:-1], marks[1:], strict=True):
+        for a, b in pairwise(marks):
             x = 0.5 * (a + b) + 0.5 * (b - a) * t
             turn = np.array([quad(lambda s: value / stiffness(segments, s), a, p)[0] for p in x]) + angle
             r += 0.5 * (b - a) * np.array([w @ np.cos(turn), w @ np.sin(turn), 0.0])

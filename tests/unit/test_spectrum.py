@@ -91,7 +91,7 @@ def test_held_motions_leave_the_low_spectrum():
 @pytest.mark.parametrize("dense", [600, 0])
 def test_nearest_zero_of_a_follower_load(monkeypatch, dense):
     """Without its force the eigenvalue nearest zero is the lowest one; with it the tangent is unsymmetric."""
-    monkeypatch.setattr(ancf.spectrum, "DENSE", dense)
+    monkeypatch.setattr(ancf.spectrum, "DENSE_UNSYMMETRIC", dense)
     model = cantilever(force=(-2.0 * EI, 0.0, 0.0), direction="follower")
     spectrum = Spectrum(model)
     f, mode = spectrum.nearest_zero(model.q0, 0.0)
