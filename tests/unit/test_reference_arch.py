@@ -48,6 +48,13 @@ def test_jacobian_is_the_derivative(arch):
     assert errors(1e-2) / errors(5e-3) == pytest.approx([4, 4], rel=0.05)
 
 
+def test_radial_is_towards_the_centre():
+    """Loaded point R (sin, cos) of its angle from the crown, left of it at 40 % of the arc."""
+    angle = OFF_MIDDLE.opening * (OFF_MIDDLE.load_at - 0.5)
+    assert ArchEquations(OFF_MIDDLE, 8).d == pytest.approx([-np.sin(angle), -np.cos(angle)], abs=1e-15)
+    assert pytest.approx([0, -1], abs=1e-15) == ArchEquations(SNAP_BACK, 8).d
+
+
 def boundary_value_problem(arch, point):
     """Displacement of the loaded point by SciPy's solver for the first-order equations of both parts at once.
 

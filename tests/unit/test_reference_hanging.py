@@ -76,6 +76,7 @@ def test_hanging_bar_solves_its_equation(name, load):
     run = solve_ivp(slope, (0, length), [0.0], "DOP853", rtol=1e-12, atol=1e-14)
     assert bar.tip == pytest.approx(run.y[0, -1], rel=3e-12)
     assert bar.error < 1e-13
+    assert law(bar.support_lateral, bar.support_lateral, bar.support_stretch) == pytest.approx(0, abs=1e-6)
     assert uniaxial(law, bar.support_stretch).stress == pytest.approx(
         weight * length, rel=1e-9, abs=1e-7
     )  # rounding of K, 3e7 Pa
