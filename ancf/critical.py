@@ -3,8 +3,8 @@ r"""Critical points of a path: where an eigenvalue of the tangent passes through
 The count of negative eigenvalues tells between which points of the path a critical one lies. The eigenvalue
 that changes its sign there (without a potential: the determinant), smooth along the path, is brought to zero
 by the secant method. With the left mode psi, the mode itself where there is a potential, the point is a limit
-point of the load factor if psi^T Q_ext != 0, else a bifurcation. (Wriggers, Nonlinear Finite Element Methods, 2008,
-ch. 7.) Flutter of follower loads is no static phenomenon: not seen.
+point of the load factor if psi^T Q_ext != 0, else a bifurcation. (Wriggers, Nonlinear Finite Element Methods,
+2008, ch. 7.) Flutter of follower loads is no static phenomenon: not seen.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 MOST_LOOKS = 15
 CLOSE = 1e-5  # share of a step of the path to which a critical point is located
-MULTIPLE = 1e-3  # of the next eigenvalue: zero together with the one located
+MULTIPLE = 1e-6  # of the next eigenvalue: zero together with the one located
 LIMIT = 1e-4  # cosine between mode and load above which the load works on the mode
 TURN_OFF = (0.05, 0.02, 0.1, 0.2)  # rod lengths or radians by which a new branch is entered, in this order
 
@@ -46,12 +46,13 @@ def critical_points(path: Follower) -> Iterator[CriticalPoint]:
     a, b = path.points[-2:]
     low, high = sorted((a.negative, b.negative))
     found: list[CriticalPoint] = []
+    met: set[int] = set()
     for index in range(low, high) if a.negative <= b.negative else range(high - 1, low - 1, -1):
-        if any(index < low + len(c.modes) for c in found[-1:] if len(c.modes) > 1):
-            continue
-        point = _locate(path, index)
+        point = None if index in met else _locate(path, index)
         if point is not None:
-            found.append(_classified(path, point, index, high))
+            critical, alike = _classified(path, point, index, high)
+            met |= alike
+            found.append(critical)
     yield from sorted(found, key=lambda c: c.point.arc)
 
 
@@ -91,14 +92,16 @@ def _locate(path: Follower, index: int) -> PathPoint | None:
     return best
 
 
-def _classified(path: Follower, point: PathPoint, index: int, high: int) -> CriticalPoint:
+def _classified(path: Follower, point: PathPoint, index: int, high: int) -> tuple[CriticalPoint, set[int]]:
+    """The critical point, and the numbers of the eigenvalues that are zero there together."""
     model = path.model
     if model.conservative:
         f, modes = path.spectrum.lowest(point.q, point.load_factor, high + 2, path.held_motions)
         scale = float(np.abs(f[-1]))
-        alike = [i for i in range(len(f)) if i == index or abs(f[i]) < MULTIPLE * scale]
+        alike = [i for i in range(len(f)) if abs(f[i] - f[index]) <= MULTIPLE * scale]
         left = modes = modes[:, alike].T
     else:
+        alike = [index]
         modes = path.spectrum.nearest_zero(point.q, point.load_factor)[1][None]
         left = path.spectrum.nearest_zero(point.q, point.load_factor, left=True)[1][None]
     modes = np.array([m / np.sqrt(path.metric.inner(m, m)) for m in modes])
@@ -106,12 +109,14 @@ def _classified(path: Follower, point: PathPoint, index: int, high: int) -> Crit
     size = np.linalg.norm(load) * np.linalg.norm(left / model.unit, axis=1)
     work = np.abs((left / model.unit) @ load) / np.where(size > 0.0, size, 1.0)
     kind = "limit" if np.max(work) > LIMIT else "bifurcation"
-    return CriticalPoint(kind, point, _aligned(path, modes))
+    return CriticalPoint(kind, point, _aligned(path, modes)), set(alike)
 
 
 def _aligned(path: Follower, modes: Floats) -> Floats:
     """Modes with a definite sign; of a pair (the rod may buckle any way) the first is along y of its base."""
-    rod = path.model.rods[0]
+    rods = path.model.rods
+    sizes = [max(float(np.linalg.norm(rod.nodal(m)[:, 0])) for m in modes) for rod in rods]
+    rod = rods[int(np.argmax(sizes))]
     motions = np.array([rod.nodal(m)[:, 0] for m in modes])  # (k, nodes, 3)
     node = int(np.argmax(np.sum(motions**2, axis=(0, 2))))
     y = motions[:, node] @ rod.rod.base.rotation[:, 1]

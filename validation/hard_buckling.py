@@ -84,8 +84,4 @@ def buckling() -> Iterator[HardCase]:
     )
 
 
-WAITING = (
-    ("right-angle frame, ring", "joints"),
-    ("shallow arch: snap-through and snap-back", 'method = "arclength"'),
-    ("lateral buckling of a strip, branch switching", "[stability]"),
-)
+WAITING = (("right-angle frame, ring", "joints"),)
