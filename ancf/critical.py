@@ -96,9 +96,11 @@ def _classified(path: Follower, point: PathPoint, index: int, high: int) -> Crit
     else:
         modes = path.spectrum.nearest_zero(point.q, point.load_factor)[1][None]
     modes = np.array([m / np.sqrt(path.metric.inner(m, m)) for m in modes])
-    load = model.system.project(model.residual(point.q).Q_ext) / model.force_unit
-    size = np.linalg.norm(load) * np.linalg.norm(modes / model.unit, axis=1)
-    work = np.abs((modes / model.unit) @ load) / np.where(size > 0.0, size, 1.0)
+    Q_ext = model.residual(point.q, point.load_factor).Q_ext
+    load = model.system.project(Q_ext) * model.unit
+    full = path.spectrum.with_multipliers(point.q, point.load_factor, modes) / model.unit
+    size = np.linalg.norm(load) * np.linalg.norm(full, axis=1)
+    work = np.abs(full @ load) / np.where(size > 0.0, size, 1.0)
     kind = "limit" if np.max(work) > LIMIT else "bifurcation"
     return CriticalPoint(kind, point, _aligned(path, modes))
 

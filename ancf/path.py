@@ -25,7 +25,7 @@ class Path:
 
     def add(self, at: float, q: Floats) -> None:
         """Append an equilibrium; only the last four are kept."""
-        local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
+        local = [] if self.model.joints else [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
         self.points = [*self.points[-3:], (at, local, q)]
 
     def take_back(self) -> None:
@@ -42,6 +42,8 @@ class Path:
     def from_tangent(self, dq: Floats) -> Floats:
         """Start after the increment dq (n,) of the linear problem, taken in local measures."""
         _, now, q = self.points[-1]
+        if self.model.joints:
+            return q + dq
         small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
         rates = [
             (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
@@ -53,7 +55,7 @@ class Path:
         """Start at a parameter by the polynomial through the last two or three equilibria."""
         weights, recent = self.weights(at), self.points[-3:]
         shapes = []
-        for index in range(len(self.model.rods)):
+        for index in range(len(self.points[-1][1])):
             parts = [point[1][index] * w for point, w in zip(recent, weights, strict=True)]
             total = parts[0]
             for part in parts[1:]:
@@ -65,6 +67,8 @@ class Path:
     def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
         """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
         q = linear.copy()
+        if self.model.joints:
+            return q
         for rod, shape in zip(self.model.rods, shapes, strict=True):
             supports = rod.rod.supports
             if len(supports) != 1 or supports[0].kind == "pin":

@@ -71,7 +71,8 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     stability = model.scene.stability
     if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
         return _follow(model, trace, deadline)
-    if options.predictor == "auto":
+    # A prescribed motion is walked: at once it would lead anywhere.
+    if options.predictor == "auto" and model.longest_step >= 1.0:
         bent = load_start(model)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
@@ -158,6 +159,7 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
     path = Path(model, model.q0)
     step = _first_step(model)
     while trace.load_factor < 1.0:
+        step = min(step, model.longest_step)
         target = trace.load_factor + step
         if target > 1.0 - 1e-9:
             target = 1.0
@@ -195,7 +197,7 @@ def _first_step(model: Model) -> float:
         dq = model.system.solve(model.system.factorise(flat), forces.Q_ext)
     except ArithmeticError:
         return 1.0
-    largest = float(np.max(np.abs(dq / model.unit), initial=0.0))
+    largest = model.largest_motion(dq)
     return float(np.clip(FIRST_TURN / largest, SMALLEST_STEP, 1.0)) if largest > 0.0 else 1.0
 
 
@@ -214,5 +216,5 @@ def _rate(model: Model, result: NewtonResult) -> float:
     """Largest dimensionless |dq / d load factor| by the last factorisation."""
     if result.lu is None:
         return 0.0
-    dq = model.system.solve(result.lu, model.residual(result.q).Q_ext)
-    return float(np.max(np.abs(dq / model.unit), initial=0.0))
+    Q_ext = model.residual(result.q, result.load_factor).Q_ext
+    return model.largest_motion(model.system.solve(result.lu, Q_ext))
