@@ -220,7 +220,7 @@ class Follower:
         t, t_l = last.tangent
         motion = np.sqrt(self.metric.inner(t, t))
         load = abs(t_l) / max(abs(last.load_factor), FIRST_LOAD)
-        prescribed = abs(t_l) / self.model.longest_step
+        prescribed = max(abs(t_l) / self.model.longest_step, 1.0 / self.model.longest_change(last.q, t))
         return 1.0 / max(motion / LONGEST_MOTION, load / (GROWTH - 1.0), prescribed)
 
     def _point(self, last: PathPoint, step: float) -> tuple[PathPoint, int] | None:

@@ -41,6 +41,11 @@ _name = attrgetter("name")
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
 
 
+# E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod
+# clamped at both ends buckles at 39.5.
+FIRST_FORCE = 5.0
+
+
 @dataclass(frozen=True)
 class Residual:
     """Internal and external generalised forces (n,) at one configuration; Q_ext at load factor 1."""
@@ -114,6 +119,21 @@ class Model:
     def longest_step(self) -> float:
         """Largest step of the load factor that prescribed motions allow; inf without one."""
         return np.inf if self.joints is None else self.joints.longest_step
+
+    def longest_change(self, q: Floats, rate: Floats) -> float:
+        """Largest step of a parameter by which prescribed motions change the forces of joints mildly.
+
+        A straight rod that is brought together by a share (R/L)^2 of its length has buckled already: there
+        the motion says nothing, and the force does. A step may double it, or bring FIRST_FORCE.
+
+        Parameters
+        ----------
+        q, rate : (n,) where it starts, and the change of q with the parameter
+        """
+        if self.longest_step == np.inf:
+            return np.inf
+        force, change = (np.max(np.abs(v / self.unit)[self.motions :]) for v in (q, rate))
+        return float(max(force, FIRST_FORCE) / change) if change > 0.0 else np.inf
 
     def joints_closed(self, q: Floats, load_factor: float) -> bool:
         """Whether no joint has met its conditions the wrong way round, half a turn off."""

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ancf.elements import R
 from ancf.model import Model
 from ancf.rod_shape import LocalShape, from_local, node_rotations, to_local
+from ancf.rotation import exp, log
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ class Path:
 
     def add(self, at: float, q: Floats) -> None:
         """Append an equilibrium; only the last four are kept."""
-        local = [] if self.model.joints else [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
+        local = [to_local(rod, rod.nodal(q)) for rod in self.model.rods]
         self.points = [*self.points[-3:], (at, local, q)]
 
     def take_back(self) -> None:
@@ -42,33 +43,37 @@ class Path:
     def from_tangent(self, dq: Floats) -> Floats:
         """Start after the increment dq (n,) of the linear problem, taken in local measures."""
         _, now, q = self.points[-1]
-        if self.model.joints:
-            return q + dq
         small = _RATE_ANGLE / max(float(np.max(np.abs(dq / self.model.unit))), _RATE_ANGLE)
         rates = [
             (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
             for rod, here in zip(self.model.rods, now, strict=True)
         ]
-        return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
+        shapes = [here + rate for here, rate in zip(now, rates, strict=True)]
+        return self._rebuild(shapes, q + dq, q + small * dq, 1.0 / small)
 
     def extrapolate(self, at: float) -> Floats:
         """Start at a parameter by the polynomial through the last two or three equilibria."""
         weights, recent = self.weights(at), self.points[-3:]
         shapes = []
-        for index in range(len(self.points[-1][1])):
+        for index in range(len(self.model.rods)):
             parts = [point[1][index] * w for point, w in zip(recent, weights, strict=True)]
             total = parts[0]
             for part in parts[1:]:
                 total = total + part
             shapes.append(total)
         linear = sum((point[2] * w for point, w in zip(recent, weights, strict=True)), np.zeros(self.model.n))
-        return self._rebuild(shapes, linear)
+        (before, _, other), (last, _, _) = self.points[-2:]
+        return self._rebuild(shapes, linear, other, (at - last) / (before - last))
 
-    def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
-        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
-        q = linear.copy()
+    def _rebuild(self, shapes: list[LocalShape], linear: Floats, other: Floats, share: float) -> Floats:
+        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation.
+
+        With joints: joint_path.py. Rotations go on from the last equilibrium by `share` of the way that leads
+        to `other` (n,).
+        """
         if self.model.joints:
-            return q
+            return self._placed(shapes, linear, other, share)
+        q = linear.copy()
         for rod, shape in zip(self.model.rods, shapes, strict=True):
             supports = rod.rod.supports
             if len(supports) != 1 or supports[0].kind == "pin":
@@ -81,3 +86,13 @@ class Path:
                 rod, shape, node, position, rotation
             ).ravel()
         return q
+
+    def _placed(self, shapes: list[LocalShape], linear: Floats, other: Floats, share: float) -> Floats:
+        from ancf.joint_path import placed
+
+        turned = []
+        for rod in self.model.rods:
+            now = node_rotations(rod, rod.nodal(self.points[-1][2]))
+            there = node_rotations(rod, rod.nodal(other))
+            turned.append(exp(share * log(there @ np.swapaxes(now, -1, -2))) @ now)
+        return placed(self.model, shapes, linear, turned)

@@ -170,16 +170,20 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         trace.history += result.history
         stable = _is_stable(model, result)
         jumped = stable is False and trace.stable is not False
-        if jumped and target - trace.load_factor > BRANCH_STEP:
+        # A prescribed motion may buckle a rod at any small part of it.
+        shortest = BRANCH_STEP * (1.0 if model.longest_step == np.inf else target)
+        if jumped and target - trace.load_factor > shortest:
             # Stable before, unstable after: a stable branch may turn off in between. Look closer.
             trace.cutbacks += 1
             step = (target - trace.load_factor) * CUT
             continue
         if _accept(model, trace, result, target, stable):
             path.add(target, result.q)
-            trace.rates.append(_rate(model, result))
+            rate = _rate(model, result)
+            trace.rates.append(model.largest_motion(rate))
             if len(result.history) <= QUICK_ITERATIONS:
                 step *= GROWTH
+            step = min(step, model.longest_change(result.q, rate))
             continue
         trace.cutbacks += 1
         step = (target - trace.load_factor) * CUT
@@ -198,7 +202,8 @@ def _first_step(model: Model) -> float:
     except ArithmeticError:
         return 1.0
     largest = model.largest_motion(dq)
-    return float(np.clip(FIRST_TURN / largest, SMALLEST_STEP, 1.0)) if largest > 0.0 else 1.0
+    step = min(FIRST_TURN / largest if largest > 0.0 else 1.0, model.longest_change(model.q0, dq))
+    return float(np.clip(step, SMALLEST_STEP, 1.0))
 
 
 def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
@@ -212,9 +217,8 @@ def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
     return path.from_tangent(dq) if np.isfinite(dq).all() else trace.q
 
 
-def _rate(model: Model, result: NewtonResult) -> float:
-    """Largest dimensionless |dq / d load factor| by the last factorisation."""
+def _rate(model: Model, result: NewtonResult) -> Floats:
+    """dq / d load factor (n,) by the last factorisation."""
     if result.lu is None:
-        return 0.0
-    Q_ext = model.residual(result.q, result.load_factor).Q_ext
-    return model.largest_motion(model.system.solve(result.lu, Q_ext))
+        return np.zeros(model.n)
+    return model.system.solve(result.lu, model.residual(result.q, result.load_factor).Q_ext)
