@@ -10,6 +10,11 @@ An equilibrium is stable if K is positive on the motions that C leaves. With C o
 check sees to, K has there as many negative eigenvalues as the whole matrix less one for each condition. They
 are counted without eigenvalues of the whole: the unknowns that no joint touches form band matrices, whose
 inertia adds to that of the small dense complement of the others (Haynsworth 1968, Linear Algebra Appl. 1).
+
+A rod closed to a ring has neutral motions: a round one may turn about its tangent at the joint, every section
+against it, and strains no more. The matrix is singular there to rounding, at a regular equilibrium. Such a
+motion v is found by inverse iteration; loads that do no work on it do not move the rod along it, and it
+counts as neither sign.
 """
 
 from __future__ import annotations
@@ -35,16 +40,37 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+# An eigenvalue below so many eps |A| is rounding of zero.
+NEUTRAL = 30.0
+# A load works on a neutral motion by no more than this share of it, or by this much of E I/L^2: rounding.
+NO_WORK, NO_FORCE = 1e-7, 1e-8
+
+
+@dataclass(frozen=True)
+class Neutral:
+    """Null vectors (n,), dimensionless: from the right, its motion alone (of length 1), and from the left."""
+
+    vector: Floats
+    motion: Floats
+    left: Floats
+
+
 @dataclass(frozen=True)
 class SparseLU:
     """LU factors of the matrix with its joints; see `band.Factors`."""
 
     lu: Any  # scipy.sparse.linalg.SuperLU
     conditions: int
+    neutral: Neutral | None = None
 
     def solve(self, right: Floats) -> Floats:
         """Solve for one right side (n,) or several (n, k)."""
-        return self.lu.solve(right)
+        x = self.lu.solve(right)
+        if self.neutral is not None:
+            noise = np.maximum(NO_WORK * np.linalg.norm(right, axis=0), NO_FORCE)
+            idle = np.abs(self.neutral.left @ right) <= noise
+            x = x - np.multiply.outer(self.neutral.vector, np.where(idle, self.neutral.motion @ x, 0.0))
+        return x
 
     @property
     def determinant_sign(self) -> int:
@@ -55,6 +81,26 @@ class SparseLU:
         negative = np.count_nonzero(self.lu.U.diagonal() < 0.0)
         odd = negative + _odd(self.lu.perm_r) + _odd(self.lu.perm_c) + self.conditions
         return 1 if odd % 2 == 0 else -1
+
+
+def _neutral(A: Any, lu: Any, motions: int) -> Neutral | None:
+    """Neutral motion of a matrix that is singular to rounding, else None.
+
+    With forces in units of the largest entry the axial compliance of a rod is no small eigenvalue.
+    """
+    largest = float(np.max(np.abs(A.data)))
+    scale = np.ones(A.shape[0])
+    scale[motions:] = np.sqrt(largest)
+    found = []
+    for side in ("N", "T"):
+        v = np.random.default_rng(0).standard_normal(A.shape[0])
+        for _ in range(2):
+            v = lu.solve(v / np.linalg.norm(v) / scale, trans=side) / scale
+        if not np.linalg.norm(v) * NEUTRAL * float(np.finfo(float).eps) * largest > 1.0:
+            return None
+        found.append(scale * v / np.linalg.norm(v[:motions]))
+    motion = np.where(np.arange(len(scale)) < motions, found[0], 0.0)
+    return Neutral(found[0], motion, found[1])
 
 
 def _odd(permutation: Indices) -> int:
@@ -154,10 +200,12 @@ class JointSystem(LinearSystem):
     def factorise(self, flat: Floats) -> Factors:
         """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
         with self.counters.solving():
+            A = self.matrix(flat)
             try:
-                return SparseLU(splu(self.matrix(flat)), self.conditions)
+                lu: Any = splu(A)
             except RuntimeError as error:
                 raise SingularMatrixError(str(error)) from error
+            return SparseLU(lu, self.conditions, _neutral(A, lu, self.pattern.n))
 
     def is_positive_definite(self, flat: Floats) -> bool:
         """Whether a symmetric tangent is positive on the motions that supports and joints allow."""
@@ -168,9 +216,15 @@ class JointSystem(LinearSystem):
         """Number of negative eigenvalues on the motions that supports and joints allow."""
         # Rods of different stiffness have different units: one for all makes the matrix symmetric.
         energy = self.unit * self.force_unit
-        A = sparse.csr_array(sparse.diags_array(energy / np.max(energy)) @ self.matrix(flat))
-        A = sparse.csr_array(0.5 * (A + A.T))
-        held = np.zeros(len(self.unit), dtype=bool)
+        scale: Any = sparse.diags_array(energy / np.max(energy))
+        A: Any = scale @ self.matrix(flat)
+        A = (0.5 * (A + A.T)).tocsr()
+        conditions = self.conditions
+        neutral = _neutral(A, splu(A.tocsc()), self.pattern.n)
+        if neutral is not None:  # hold it
+            v, conditions = neutral.motion[:, None], conditions + 1
+            A = sparse.block_array([[A, v], [v.T, None]]).tocsr()
+        held = np.zeros(A.shape[0], dtype=bool)
         held[self.joints.held_dofs] = True
         held[self.pattern.n :] = True
         inner, outer = np.flatnonzero(~held), np.flatnonzero(held)
@@ -186,9 +240,9 @@ class JointSystem(LinearSystem):
             coupling = A[inner][:, outer].toarray()
             complement -= coupling.T @ factorise(pattern, band).solve(coupling)
         f = np.linalg.eigvalsh(0.5 * (complement + complement.T))
-        return count + int(np.count_nonzero(f < 0.0)) - self.conditions
+        return count + int(np.count_nonzero(f < 0.0)) - conditions
 
     def row_sum(self, flat: Floats, q: Floats) -> float:
         """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q does to them."""
-        size = np.abs(self.unsupported(flat)) @ np.abs(q)
+        size = abs(self.unsupported(flat)) @ np.abs(q)
         return float(np.max(size / self.force_unit))

@@ -173,7 +173,7 @@ class Spectrum:
             across = np.eye(n) - rows @ rows.T if rows.size else None
             dense = S.toarray() if across is None else across @ S.toarray() @ across
             # What the joints do not leave goes to the top of the spectrum.
-            dense = dense if across is None else dense + np.abs(S).sum() * (rows @ rows.T)
+            dense = dense if across is None else dense + abs(S).sum() * (rows @ rows.T)
             solver, arguments = eig, (dense,)
         else:
             near = _inverse_across(S, rows) if rows.size else None
