@@ -35,7 +35,8 @@ INDEPENDENT = 1e-6
 def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
     """Rods that joints of the raw scene name, before anything is checked."""
     joints = data.get("joint", ())
-    entries = [joint for joint in joints if isinstance(joint, Mapping)] if isinstance(joints, list) else []
+    joints = joints if isinstance(joints, list | tuple) else ()
+    entries = [joint for joint in joints if isinstance(joint, Mapping)]
     ends = [joint.get(key) for joint in entries for key in ("a", "b")]
     found = {end.get("rod", names[0] if names else "") for end in ends if isinstance(end, Mapping)}
     return {name for name in found if isinstance(name, str)}
