@@ -23,12 +23,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandLU
+from ancf.band import Factors
 from ancf.failure import is_collapsed
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
-from ancf.spectrum import Spectrum, negative_eigenvalues
+from ancf.spectrum import Spectrum
 
 Floats = NDArray[np.float64]
 Direction = tuple[Floats, float]  # of a motion (n,) [SI] and of the load factor
@@ -80,7 +80,8 @@ class Metric:
 
     def inner(self, a: Floats, b: Floats) -> float:
         """Of two motions (n,) [SI]."""
-        return 3.0 / self.model.n * float(np.sum(a * b / self.model.unit**2))
+        m = self.model.motions
+        return 3.0 / m * float(np.sum((a * b / self.model.unit**2)[:m]))
 
     def dot(self, a: Direction, b: Direction) -> float:
         """Of two directions, motion and load factor."""
@@ -104,7 +105,7 @@ class Plane:
         self.held = held
 
     def step(
-        self, lu: BandLU, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
+        self, lu: Factors, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
     ) -> tuple[Floats, float]:
         """See `newton.Border`."""
         metric, held = self.metric, self.held
@@ -216,11 +217,12 @@ class Follower:
         self._path.add(point.arc, point.q)
 
     def _longest(self, last: PathPoint) -> float:
-        """Longest step: the motion is limited, and the load factor may double."""
+        """Longest step: the motion is limited, also what is prescribed, and the load factor may double."""
         t, t_l = last.tangent
         motion = np.sqrt(self.metric.inner(t, t))
         load = abs(t_l) / max(abs(last.load_factor), FIRST_LOAD)
-        return 1.0 / max(motion / LONGEST_MOTION, load / (GROWTH - 1.0))
+        prescribed = max(abs(t_l) / self.model.longest_step, 1.0 / self.model.longest_change(last.q, t))
+        return 1.0 / max(motion / LONGEST_MOTION, load / (GROWTH - 1.0), prescribed)
 
     def _point(self, last: PathPoint, step: float) -> tuple[PathPoint, int] | None:
         """The point a step ahead, and the iterations it took; None if none is found on this branch."""
@@ -253,7 +255,7 @@ class Follower:
             result.outcome = Outcome.OFF_PATH
             return None
         assert result.lu is not None and result.flat is not None
-        tangent = self._tangent(result.lu, self.model.residual(result.q).Q_ext, chord)
+        tangent = self._tangent(result.lu, self.model.residual(result.q, result.load_factor).Q_ext, chord)
         point = PathPoint(
             arc=last.arc + float(np.sqrt(self.metric.dot((dq, dl), (dq, dl)))),
             load_factor=result.load_factor,
@@ -292,17 +294,17 @@ class Follower:
         found = self._solve(a, q, load_factor, plane, direction)
         return None if found is None else found[0]
 
-    def _tangent(self, lu: BandLU, Q_ext: Floats, ahead: Direction) -> Direction:
+    def _tangent(self, lu: Factors, Q_ext: Floats, ahead: Direction) -> Direction:
         """Unit direction of the path: K dq = Q_ext dl; forward is where `ahead` points."""
         rate = self.model.system.solve(lu, Q_ext)
         direction = self.metric.unit(rate, 1.0)
         backwards = self.metric.dot(direction, ahead) < 0.0
         return (-direction[0], -direction[1]) if backwards else direction
 
-    def _negative(self, lu: BandLU, flat: Floats, q: Floats, load_factor: float) -> int:
+    def _negative(self, lu: Factors, flat: Floats, q: Floats, load_factor: float) -> int:
         if not self.model.conservative:
             return int(lu.determinant_sign < 0)
         if self.held is None:
-            return negative_eigenvalues(self.model.pattern, self.model.system.supported(flat))
+            return self.model.system.negative_eigenvalues(flat)
         # Along the held motions the tangent is singular; across them its eigenvalues are counted one by one.
         return self.spectrum.negative_across(q, load_factor, self.held.motions)

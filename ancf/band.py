@@ -9,6 +9,7 @@ Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are r
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,24 @@ class BandPattern:
 
 class SingularMatrixError(ArithmeticError):
     """The factorisation met an exactly zero pivot."""
+
+
+class Factors(Protocol):
+    """LU factors of a tangent, band or sparse."""
+
+    def solve(self, right: Floats) -> Floats:
+        """Solve for one right side (n,) or several (n, k)."""
+        ...
+
+    @property
+    def determinant_sign(self) -> int:
+        """Sign of the determinant; it flips when a simple eigenvalue passes through zero."""
+        ...
+
+    @property
+    def log_determinant(self) -> float:
+        """Logarithm of the size of the determinant."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ def check(
     console = _console()
     console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
     for rod in loaded.rods:
-        held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports)
+        held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports) or "no support"
         console.print(
             f"  rod {rod.name}: {rod.length:g} m, {rod.elements} x {rod.element} {rod.formulation}, {held}"
         )
@@ -221,6 +221,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "force": scene.forces,
         "line_load": scene.line_loads,
         "gravity": (scene.gravity,) if scene.gravity else (),
+        "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}
 

@@ -10,6 +10,7 @@ point of the load factor if psi^T Q_ext != 0, else a bifurcation. (Wriggers, Non
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -75,6 +76,8 @@ def _locate(path: Follower, index: int) -> PathPoint | None:
         return None
     best, side = (a if abs(f[0]) < abs(f[1]) else b), 0
     for _ in range(MOST_LOOKS):
+        if time.perf_counter() > path.deadline:
+            return best
         share = x[0] + (x[1] - x[0]) * f[0] / (f[0] - f[1])
         point = path.between(share)
         if point is None:
@@ -105,9 +108,11 @@ def _classified(path: Follower, point: PathPoint, index: int, high: int) -> tupl
         modes = path.spectrum.nearest_zero(point.q, point.load_factor)[1][None]
         left = path.spectrum.nearest_zero(point.q, point.load_factor, left=True)[1][None]
     modes = np.array([m / np.sqrt(path.metric.inner(m, m)) for m in modes])
-    load = model.system.project(model.residual(point.q).Q_ext) / model.force_unit
-    size = np.linalg.norm(load) * np.linalg.norm(left / model.unit, axis=1)
-    work = np.abs((left / model.unit) @ load) / np.where(size > 0.0, size, 1.0)
+    Q_ext = model.residual(point.q, point.load_factor).Q_ext
+    load = model.system.project(Q_ext) * model.unit
+    full = path.spectrum.with_multipliers(point.q, point.load_factor, left) / model.unit
+    size = np.linalg.norm(load) * np.linalg.norm(full, axis=1)
+    work = np.abs(full @ load) / np.where(size > 0.0, size, 1.0)
     kind = "limit" if np.max(work) > LIMIT else "bifurcation"
     return CriticalPoint(kind, point, _aligned(path, modes)), set(alike)
 

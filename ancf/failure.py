@@ -184,7 +184,10 @@ def element_turns(rod: RodModel, q: Floats) -> Floats:
 
 
 def _owner(model: Model, dof: int) -> tuple[str, int]:
-    """Rod and node of an unknown."""
+    """Rod and node of an unknown; of a joint's multiplier, those of its first section."""
+    if model.joints and dof >= model.motions:
+        joint = next(j for j in model.joints.models if dof <= j.multipliers[-1])
+        dof = int(joint.sections[0].held_dofs[0])
     for rod in model.rods:
         if dof < rod.first_dof + rod.size:
             return rod.rod.name, (dof - rod.first_dof) // (3 * len(rod.element.vectors))

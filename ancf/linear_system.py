@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandLU, BandPattern, factorise, is_positive_definite
+from ancf.band import BandPattern, Factors, factorise, is_positive_definite
 from ancf.counters import Counters
 from ancf.supports import NodeSupport
 
@@ -53,7 +53,7 @@ class LinearSystem:
         row = np.arange(n) + np.arange(-2 * b, b + 1)[:, None]
         inside = (row >= 0) & (row < n)
         left = np.where(inside, (1.0 / self.force_unit)[np.clip(row, 0, n - 1)], 0.0)
-        return (left * self.unit).ravel()
+        return (left * self.unit[:n]).ravel()
 
     @cached_property
     def _rows(self) -> Indices:
@@ -89,7 +89,7 @@ class LinearSystem:
             flat[diagonal] += np.eye(len(s.dofs)) - s.projector
         return flat
 
-    def factorise(self, flat: Floats) -> BandLU:
+    def factorise(self, flat: Floats) -> Factors:
         """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
         with self.counters.solving():
             return factorise(self.pattern, self.supported(flat))
@@ -99,7 +99,13 @@ class LinearSystem:
         with self.counters.solving():
             return is_positive_definite(self.pattern, self.supported(flat))
 
-    def solve(self, lu: BandLU, right: Floats) -> Floats:
+    def negative_eigenvalues(self, flat: Floats) -> int:
+        """Number of negative eigenvalues of a symmetric tangent on the motions that the supports allow."""
+        from ancf.spectrum import negative_eigenvalues  # brings scipy.sparse: a quarter of a second
+
+        return negative_eigenvalues(self.pattern, self.supported(flat))
+
+    def solve(self, lu: Factors, right: Floats) -> Floats:
         """Displacement (n,) or (n, k) in SI for generalised forces `right` of the same shape."""
         with self.counters.solving():
             column = (slice(None),) + (None,) * (right.ndim - 1)

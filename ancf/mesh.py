@@ -70,11 +70,17 @@ def places_in_part(rod: Rod, part: int, places: list[float]) -> list[float]:
     return [float((at - first) / (last - first)) for at in inside]
 
 
+def held_places(scene: Scene, rod: Rod) -> list[float]:
+    """Fractions of the length at which supports and joints hold a rod."""
+    joined = [place.at for joint in scene.joints for place in joint.places if place.rod == rod.name]
+    return [support.at for support in rod.supports] + joined
+
+
 def rod_breaks(scene: Scene, rod: Rod) -> Floats:
-    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and, elements
-    of the segment permitting, its loads.
+    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and joints
+    and, elements of the segment permitting, its loads.
     """
-    held = [support.at for support in rod.supports]
+    held = held_places(scene, rod)
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
     loaded = [load.at for load in acting]

@@ -31,12 +31,19 @@ from ancf.supports import NodeSupport
 if TYPE_CHECKING:
     from scipy import sparse
 
+    from ancf.joints import Joints
+
 Floats = NDArray[np.float64]
 
 _name = attrgetter("name")
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
+
+
+# E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod
+# clamped at both ends buckles at 39.5.
+FIRST_FORCE = 5.0
 
 
 @dataclass(frozen=True)
@@ -64,7 +71,13 @@ class Model:
             model = make_rod_model(scene, rod, first_dof)
             self.rods.append(model)
             first_dof += model.size
-        self.n = first_dof
+        self.motions = first_dof
+        self.joints: Joints | None = None
+        if scene.joints:
+            from ancf.joints import Joints
+
+            self.joints = Joints(scene, self.rods, first_dof)
+        self.n = first_dof if self.joints is None else self.joints.end
         # What the scene does not list is neither imported nor built.
         self.effects: list[Effect] = []
         for attribute, name in EFFECT_MODULES.items():
@@ -76,7 +89,8 @@ class Model:
     @cached_property
     def q0(self) -> Floats:
         """Reference coordinates (n,), positions relative to each rod's base."""
-        return np.concatenate([model.q0.ravel() for model in self.rods])
+        parts = [model.q0.ravel() for model in self.rods]
+        return np.concatenate([*parts, np.zeros(self.n - self.motions)])
 
     @cached_property
     def unit(self) -> Floats:
@@ -85,13 +99,45 @@ class Model:
         for model in self.rods:
             per_node = [model.rod.length ** (1 - sum(order)) for order in model.element.vectors]
             parts.append(np.tile(np.repeat(per_node, 3), len(model.q0)))
+        if self.joints is not None:
+            parts.append(self.joints.unit)
         return np.concatenate(parts)
 
     @cached_property
     def force_unit(self) -> Floats:
         """Unit of each generalised force (n,): E I / L divided by the unit of the unknown."""
         energy = [np.full(m.size, m.bending_stiffness / m.rod.length) for m in self.rods]
+        if self.joints is not None:
+            energy += [np.full(joint.conditions, joint.energy) for joint in self.joints.models]
         return np.concatenate(energy) / self.unit
+
+    def largest_motion(self, dq: Floats) -> float:
+        """Largest dimensionless component of a displacement (n,); multipliers are no motion."""
+        return float(np.max(np.abs(dq / self.unit)[: self.motions], initial=0.0))
+
+    @property
+    def longest_step(self) -> float:
+        """Largest step of the load factor that prescribed motions allow; inf without one."""
+        return np.inf if self.joints is None else self.joints.longest_step
+
+    def longest_change(self, q: Floats, rate: Floats) -> float:
+        """Largest step of a parameter by which prescribed motions change the forces of joints mildly.
+
+        A straight rod that is brought together by a share (R/L)^2 of its length has buckled already: there
+        the motion says nothing, and the force does. A step may double it, or bring FIRST_FORCE.
+
+        Parameters
+        ----------
+        q, rate : (n,) where it starts, and the change of q with the parameter
+        """
+        if self.longest_step == np.inf:
+            return np.inf
+        force, change = (np.max(np.abs(v / self.unit)[self.motions :]) for v in (q, rate))
+        return float(max(force, FIRST_FORCE) / change) if change > 0.0 else np.inf
+
+    def joints_closed(self, q: Floats, load_factor: float) -> bool:
+        """Whether no joint has met its conditions the wrong way round, half a turn off."""
+        return self.joints is None or self.joints.closed(q, load_factor)
 
     @property
     def unknowns(self) -> int:
@@ -99,8 +145,8 @@ class Model:
         return self.n - sum(s.rows.shape[0] for s in self.supports)
 
     @np.errstate(over="ignore", invalid="ignore")  # a load may overflow; the solver reports it as not_finite
-    def residual(self, q: Floats) -> Residual:
-        """Generalised forces at q (n,)."""
+    def residual(self, q: Floats, load_factor: float = 1.0) -> Residual:
+        """Generalised forces at q (n,); prescribed motions are as far as at the load factor."""
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         with self.counters.effect("elastic"):
             for rod in self.rods:
@@ -109,12 +155,30 @@ class Model:
             with self.counters.effect(name):
                 for effect in effects:
                     _add(Q_ext, effect.dofs, effect.force(_blocks(q, effect.dofs)))
+        self._add_joints(Q_int, Q_ext, q, load_factor)
         return Residual(Q_int, Q_ext)
+
+    def _add_joints(self, Q_int: Floats, Q_ext: Floats, q: Floats, load_factor: float) -> list[Floats]:
+        """Add the joints, linear in the load factor about this one; their tangents (nd nd,).
+
+        So Q_ext is -dg/dl of the whole system also where a joint moves a section.
+        """
+        if self.joints is None:
+            return []
+        tangents = []
+        with self.counters.effect("joint"):
+            for joint, terms in zip(self.joints.models, self.joints.terms(q, load_factor), strict=True):
+                np.add.at(Q_int, joint.dofs, terms.g - load_factor * terms.rate)
+                np.subtract.at(Q_ext, joint.dofs, terms.rate)
+                tangents.append(terms.tangent.ravel())
+        return tangents
 
     def residual_and_tangent(
         self, q: Floats, load_factor: float, q_previous: Floats | None = None
     ) -> tuple[Residual, Floats]:
         """Generalised forces and the tangent dg/dq in flat band storage, supports not yet applied.
+
+        The blocks of joints follow the band (joint_system.py).
 
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
@@ -143,6 +207,9 @@ class Model:
                     if K_e is not None:
                         slots = self.pattern.block_slots(effect.dofs)
                         np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
+        blocks = self._add_joints(Q_int, Q_ext, q, load_factor)
+        if blocks:
+            flat = np.concatenate([flat, *blocks])
         return Residual(Q_int, Q_ext), flat
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
@@ -175,7 +242,7 @@ class Model:
     @cached_property
     def pattern(self) -> BandPattern:
         """Band of the tangent: the unknowns of one element couple, nothing else."""
-        return BandPattern(self.n, max(rod.dofs.shape[1] for rod in self.rods) - 1)
+        return BandPattern(self.motions, max(rod.dofs.shape[1] for rod in self.rods) - 1)
 
     @cached_property
     def _rod_slots(self) -> list[NDArray[np.intp]]:
@@ -184,13 +251,23 @@ class Model:
     @cached_property
     def system(self) -> LinearSystem:
         """Supports, scales, factorisation and solution of the tangent."""
-        return LinearSystem(self.pattern, self.supports, self.unit, self.force_unit, self.counters)
+        arguments = (self.pattern, self.supports, self.unit, self.force_unit, self.counters)
+        if self.joints is None:
+            return LinearSystem(*arguments)
+        from ancf.joint_system import JointSystem
+
+        return JointSystem(*arguments, self.joints)
 
     def supported_tangent(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """Tangent B_2^T K B_2 on the free unknowns [SI], for inspection (paper eq. 10, 38)."""
         from scipy import sparse  # a quarter of a second, for inspection only
 
         _, flat = self.residual_and_tangent(q, load_factor)
+        if self.joints is not None:
+            from ancf.joint_system import JointSystem
+
+            assert isinstance(self.system, JointSystem)
+            return (self.boundary_matrix().T @ self.system.unsupported(flat) @ self.boundary_matrix()).tocsr()
         b, n = self.pattern.b, self.n
         bands = flat.reshape(3 * b + 1, n)[b:]
         full = sparse.dia_array((bands, np.arange(b, -b - 1, -1)), shape=(n, n)).tocsr()

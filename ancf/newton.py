@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandLU, SingularMatrixError
+from ancf.band import Factors, SingularMatrixError
 from ancf.model import Model
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Border(Protocol):
     """Conditions that determine the load factor together with the coordinates."""
 
     def step(
-        self, lu: BandLU, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
+        self, lu: Factors, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
     ) -> tuple[Floats, float]:
         """Newton step (n,) and change of the load factor, from the residual g and the load at factor 1."""
         ...
@@ -81,7 +81,7 @@ class NewtonResult:
     load_factor: float
     residual: float
     history: list[Iteration] = field(default_factory=list)
-    lu: BandLU | None = None
+    lu: Factors | None = None
     flat: Floats | None = None  # the tangent behind `lu`
     worst_dof: int = 0
     floor: float = 0.0  # dimensionless residual that float64 leaves here
@@ -132,9 +132,7 @@ def newton(
             dq, change = model.system.solve(result.lu, -g), 0.0
         else:
             dq, change = border.step(result.lu, g, forces.Q_ext, q, load_factor)
-        step = max(
-            float(np.max(np.abs(dq / model.unit), initial=0.0)), abs(change) / max(abs(load_factor), 1.0)
-        )
+        step = max(model.largest_motion(dq), abs(change) / max(abs(load_factor), 1.0))
         result.history.append(Iteration(load_factor, iteration, result.residual, step))
         if not np.isfinite(step):
             return _ended(result, Outcome.NOT_FINITE)
@@ -150,9 +148,11 @@ def newton(
         load_factor += share * change
         if share == 1.0 and step <= options.tolerance:
             result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(flat, q)
-            forces = model.residual(q)
+            forces = model.residual(q, load_factor)
             finite = _measure(model, result, model.system.project(forces.at(load_factor)))
             if finite and result.residual <= max(options.tolerance, result.floor):
+                if not model.joints_closed(q, load_factor):
+                    return _ended(result, Outcome.OFF_PATH)
                 result.q, result.load_factor = q, load_factor
                 return _ended(result, Outcome.CONVERGED)
             quiet += 1

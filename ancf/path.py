@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ancf.elements import R
 from ancf.model import Model
 from ancf.rod_shape import LocalShape, from_local, node_rotations, to_local
+from ancf.rotation import exp, log
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +48,8 @@ class Path:
             (to_local(rod, rod.nodal(q + small * dq)) + here * -1.0) * (1.0 / small)
             for rod, here in zip(self.model.rods, now, strict=True)
         ]
-        return self._rebuild([here + rate for here, rate in zip(now, rates, strict=True)], q + dq)
+        shapes = [here + rate for here, rate in zip(now, rates, strict=True)]
+        return self._rebuild(shapes, q + dq, q + small * dq, 1.0 / small)
 
     def extrapolate(self, at: float) -> Floats:
         """Start at a parameter by the polynomial through the last two or three equilibria."""
@@ -60,10 +62,17 @@ class Path:
                 total = total + part
             shapes.append(total)
         linear = sum((point[2] * w for point, w in zip(recent, weights, strict=True)), np.zeros(self.model.n))
-        return self._rebuild(shapes, linear)
+        (before, _, other), (last, _, _) = self.points[-2:]
+        return self._rebuild(shapes, linear, other, (at - last) / (before - last))
 
-    def _rebuild(self, shapes: list[LocalShape], linear: Floats) -> Floats:
-        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation."""
+    def _rebuild(self, shapes: list[LocalShape], linear: Floats, other: Floats, share: float) -> Floats:
+        """Rods with one orienting support are rebuilt from it; the others take the linear extrapolation.
+
+        With joints: joint_path.py. Rotations go on from the last equilibrium by `share` of the way that leads
+        to `other` (n,).
+        """
+        if self.model.joints:
+            return self._placed(shapes, linear, other, share)
         q = linear.copy()
         for rod, shape in zip(self.model.rods, shapes, strict=True):
             supports = rod.rod.supports
@@ -77,3 +86,13 @@ class Path:
                 rod, shape, node, position, rotation
             ).ravel()
         return q
+
+    def _placed(self, shapes: list[LocalShape], linear: Floats, other: Floats, share: float) -> Floats:
+        from ancf.joint_path import placed
+
+        turned = []
+        for rod in self.model.rods:
+            now = node_rotations(rod, rod.nodal(self.points[-1][2]))
+            there = node_rotations(rod, rod.nodal(other))
+            turned.append(exp(share * log(there @ np.swapaxes(now, -1, -2))) @ now)
+        return placed(self.model, shapes, linear, turned)

@@ -43,6 +43,8 @@ def load_start(model: Model) -> Floats | None:
     Known for rods held by one clamp (or free-section clamp): from their point moments alone in closed form,
     else from the equilibrium of a Kirchhoff rod (rod_start.py). Other rods keep their reference shape.
     """
+    if model.joints:  # what the joints carry is not known
+        return None
     q = model.q0.copy()
     found = False
     for rod in model.rods:

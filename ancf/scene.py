@@ -172,6 +172,36 @@ class Gravity:
 
 
 @dataclass(frozen=True)
+class Place:
+    """A section of a rod by its fraction of the reference length."""
+
+    rod: str
+    at: float
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A connection of the section `a` with the section `b`, or with the ground where b is None.
+
+    ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
+    unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
+    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor.
+    """
+
+    kind: str
+    a: Place
+    b: Place | None = None
+    axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """The sections that it holds."""
+        return (self.a,) if self.b is None else (self.a, self.b)
+
+
+@dataclass(frozen=True)
 class SolverOptions:
     """How the equilibrium is sought (interface: ``[solver]``)."""
 
@@ -201,6 +231,7 @@ class Scene:
     forces: tuple[Force, ...] = ()
     line_loads: tuple[LineLoad, ...] = ()
     gravity: Gravity | None = None
+    joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from ancf.errors import Message, SceneError
-from ancf.mesh import distinct_places, places_in_part, rod_breaks
+from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
+from ancf.scene_joints import joined_rods, read_joints
 from ancf.scene_loads import (
     read_force,
     read_gravity,
@@ -26,11 +27,11 @@ from ancf.scene_loads import (
     read_solver,
     read_stability,
 )
-from ancf.scene_rods import read_rod
+from ancf.scene_rods import default_name, read_rod
 from ancf.scene_table import Table
 
-SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "solver", "stability")
-LATER_KEYS = ("tendon", "pressure", "contact", "joint")
+SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "joint", "solver", "stability")
+LATER_KEYS = ("tendon", "pressure", "contact")
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -104,21 +105,22 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "a scene needs at least one rod to simulate",
             "add a [[rod]] table with length, elements, section and material, or with segments",
         )
-    rods = tuple(read_rod(entry, index) for index, entry in enumerate(entries))
+    joined = joined_rods(data, [str(entry.data.get("name", default_name(0))) for entry in entries[:1]])
+    rods = tuple(read_rod(entry, index, joined) for index, entry in enumerate(entries))
     _check_names(entries, rods)
-    for entry, rod in zip(entries, rods, strict=True):
-        _check_pieces(entry, rod)
     scene = Scene(
         rods=rods,
         moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
         forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
+        joints=read_joints(table.tables("joint"), entries, rods),
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),
     )
     for entry, rod in zip(entries, rods, strict=True):
+        _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
     return scene
 
@@ -159,17 +161,16 @@ def _check_names(entries: Sequence[Table], rods: Sequence[Rod]) -> None:
             )
 
 
-def _check_pieces(entry: Table, rod: Rod) -> None:
-    """Refuse fewer elements than there are pieces between supports: each stands on an element boundary."""
-    held = [support.at for support in rod.supports]
+def _check_pieces(entry: Table, rod: Rod, held: list[float]) -> None:
+    """Refuse fewer elements than there are pieces between supports and joints: each needs a boundary."""
     for part, segment in enumerate(rod.parts):
         pieces = len(distinct_places(places_in_part(rod, part, held))) - 1
         if pieces > segment.elements:
             entry.refuse(
                 f"segments[{part}].elements" if rod.segments else "elements",
-                "There are fewer elements than pieces between supports.",
+                "There are fewer elements than pieces between supports and joints.",
                 f"elements = {segment.elements}, pieces = {pieces}",
-                "every support stands on an element boundary",
+                "every support and joint stands on an element boundary",
                 f"take elements >= {pieces}",
             )
 

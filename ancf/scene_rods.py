@@ -6,6 +6,8 @@ Whatever would make the rod's equations meaningless is refused here, so that the
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,26 +51,33 @@ LARGEST_SEGMENT_FLOOR = 1.0
 SHEAR_FACTOR = Limit(lambda v: 1e-9 <= v <= 1e9, "> 0, and between 1e-9 and 1e9")
 
 
-def read_rod(table: Table, index: int) -> Rod:
-    """Read one `[[rod]]` table; rods without a name are called "rod", "rod2", ... by their place."""
+def default_name(index: int) -> str:
+    """Name of a rod without one, by its place: "rod", "rod2", ..."""
+    return "rod" if index == 0 else f"rod{index + 1}"
+
+
+def read_rod(table: Table, index: int, joined: Collection[str] = ()) -> Rod:
+    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold."""
     table.expect_keys(ROD_KEYS)
+    name = _name(table, default_name(index))
     segments = read_segments(table, MOST_ELEMENTS) if "segments" in table.data else (_whole(table),)
     element = table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS)
     formulation = _formulation(table, element)
     rod = Rod.of_segments(
-        _name(table, "rod" if index == 0 else f"rod{index + 1}"),
+        name,
         segments,
         element=element,
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
-        supports=_supports(table),
+        supports=_supports(table, name in joined),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, element, formulation),
     )
     _check_slenderness(table, rod)
     _check_curvature(table, rod)
-    _check_rigid_motion(table, rod)
+    if name not in joined:  # else the whole structure decides: scene_joints.py
+        _check_rigid_motion(table, rod)
     return rod
 
 
@@ -134,8 +143,8 @@ def _base(table: Table) -> Frame:
     """Read the base: BCS axes normalised, y made orthogonal to x, z = x cross y (paper eq. 2-3)."""
     table.expect_keys(("position", "x_axis", "y_axis"))
     position = table.vector("position", 3, LENGTH, (0.0, 0.0, 0.0))
-    x_axis = _direction(table, "x_axis", (1.0, 0.0, 0.0))
-    y_axis = _direction(table, "y_axis", (0.0, 1.0, 0.0))
+    x_axis = read_direction(table, "x_axis", (1.0, 0.0, 0.0))
+    y_axis = read_direction(table, "y_axis", (0.0, 1.0, 0.0))
     y_axis = y_axis - (y_axis @ x_axis) * x_axis
     sine = float(np.linalg.norm(y_axis))
     if sine < LEAST_ANGLE:
@@ -155,7 +164,7 @@ def _base(table: Table) -> Frame:
     return Frame(position, np.column_stack([x_axis, y_axis, np.cross(x_axis, y_axis)]))
 
 
-def _direction(table: Table, key: str, default: tuple[float, float, float]) -> Floats:
+def read_direction(table: Table, key: str, default: Any) -> Floats:
     """Read an axis (3,) and normalise it; dividing by the largest component first avoids overflow."""
     vector = table.vector(key, 3, NUMBER, default)
     largest = np.max(np.abs(vector))
@@ -171,10 +180,10 @@ def _direction(table: Table, key: str, default: tuple[float, float, float]) -> F
     return vector / np.linalg.norm(vector)
 
 
-def _supports(table: Table) -> tuple[Support, ...]:
-    """Read the supports; a rod without the key is clamped at its base."""
+def _supports(table: Table, joined: bool) -> tuple[Support, ...]:
+    """Read the supports; a rod without the key is clamped at its base, unless a joint holds it."""
     if "supports" not in table.data:
-        return (Support(),)
+        return () if joined else (Support(),)
     supports = []
     for entry in table.tables("supports"):
         entry.expect_keys(("at", "kind"))
@@ -189,13 +198,13 @@ def _supports(table: Table) -> tuple[Support, ...]:
                 "keep one of them",
             )
         supports.append(Support(at, entry.word("kind", SUPPORT_KINDS, "clamp")))
-    if not supports:
+    if not supports and not joined:
         table.refuse(
             "supports",
             "The rod has no support.",
             "supports = []",
-            "a free rod has no equilibrium under a load; joints that could hold it are not in this version",
-            "remove the key (a clamp at 0), or list at least one clamp",
+            "a free rod has no equilibrium under a load, and no joint holds this one",
+            "remove the key (a clamp at 0), list at least one clamp, or hold the rod by a [[joint]]",
         )
     return tuple(supports)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ancf.model import Model
     from ancf.newton import Iteration
     from ancf.rod_model import RodModel
-    from ancf.scene import Scene
+    from ancf.scene import Joint, Scene
     from ancf.stability import Stability
 
 Floats = NDArray[np.float64]
@@ -65,6 +65,26 @@ class SectionForces:
     at: Floats  # (m,) fraction of the reference length
     force: Floats  # (m, 3)
     moment: Floats  # (m, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class JointForces:
+    """Force [N] and moment [N m] that section b of a joint, or the ground, exerts on section a, in SCS."""
+
+    joint: Joint
+    force: Floats  # (3,)
+    moment: Floats  # (3,)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain Python; a section is its rod and place, and b may be "ground"."""
+        a, b = self.joint.a, self.joint.b
+        return {
+            "kind": self.joint.kind,
+            "a": {"rod": a.rod, "at": a.at},
+            "b": "ground" if b is None else {"rod": b.rod, "at": b.at},
+            "force": self.force.tolist(),
+            "moment": self.moment.tolist(),
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,14 +172,28 @@ class Solution:
     @cached_property
     def _support_force(self) -> Floats:
         """Generalised force (n,) that the supports exert."""
-        g = self.model.residual(self.q).at(self.load_factor)
+        g = self.model.residual(self.q, self.load_factor).at(self.load_factor)
         return g - self.model.system.project(g)
 
     def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
-        """Force (3,) [N] and moment (3,) [N m] about the rod's base exerted by all its supports."""
+        """Force (3,) [N] and moment (3,) [N m] about the rod's base by its supports and joints to ground."""
         rod = self._rod(name)
         Q = rod.nodal(self._support_force)
-        return Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
+        force, moment = Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
+        for carried in self.joints:
+            if carried.joint.b is None and carried.joint.a.rod == rod.rod.name:
+                arm = self.pose(rod.rod.name, carried.joint.a.at).position - rod.rod.base.position
+                force, moment = force + carried.force, moment + carried.moment + np.cross(arm, carried.force)
+        return force, moment
+
+    @cached_property
+    def joints(self) -> list[JointForces]:
+        """What each joint carries, in the order of the scene."""
+        joints = self.model.joints
+        if joints is None:
+            return []
+        found = [joint.forces(self.q[joint.dofs], self.load_factor) for joint in joints.models]
+        return [JointForces(j, *pair) for j, pair in zip(self.scene.joints, found, strict=True)]
 
     def section_forces(self, name: str | None = None) -> SectionForces:
         """Section force and moment along the rod."""
@@ -265,6 +299,8 @@ class Solution:
             "warnings": self.warnings,
             "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
         }
+        if self.scene.joints:
+            result["joints"] = [carried.as_dict() for carried in self.joints]
         if self.stability is not None:
             result["stability"] = self.stability.as_dict()
         if self.path:

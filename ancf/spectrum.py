@@ -10,6 +10,9 @@ rod, not to strains of a section.
 
 Counting needs no eigenvalue: the inertia of a block tridiagonal matrix is the sum of that of its pivots
 P_i = A_ii - A_i,i-1 P_i-1^-1 A_i-1,i (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+
+Joints leave only the motions with C phi = 0, C their linearised conditions: across these rows S is looked at,
+as it is across held motions.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import eig, eigh
+from scipy.linalg import eig, eig_banded, eigh
 from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
 from ancf.band import BandPattern
@@ -32,8 +35,8 @@ Floats = NDArray[np.float64]
 
 EXTRA = 6  # eigenvalues that Lanczos finds beyond those asked for
 REAL = 1e-9  # relative imaginary part that rounding leaves of a real eigenvalue
-DENSE_UNSYMMETRIC = 100  # the same without symmetry
-DENSE = 600  # unknowns up to which a dense solver is faster than Lanczos
+TINY = 60  # unknowns up to which dense matrices serve where they are not symmetric or motions are held
+SMALL = 600  # unknowns up to which direct solvers are faster than Lanczos
 
 
 def negative_eigenvalues(pattern: BandPattern, flat: Floats) -> int:
@@ -74,6 +77,18 @@ def _inverse_across(S: sparse.csr_array, basis: Floats) -> LinearOperator:
     return operator((n, n), matvec=solve, dtype=float)
 
 
+def _lower_band(S: sparse.csr_array) -> Floats:
+    """Lower band (b + 1, n) of a symmetric matrix, as LAPACK has it.
+
+    Band solvers hardly use threads: dense ones, on a busy machine, wait for theirs a hundred times longer.
+    """
+    entries: Any = sparse.tril(S, format="coo")
+    rows, columns, values = entries.row, entries.col, entries.data
+    band = np.zeros((int(np.max(rows - columns)) + 1, np.max(columns) + 1))
+    band[rows - columns, columns] = values
+    return band
+
+
 class Spectrum:
     """Scaled eigenproblem of one model."""
 
@@ -86,15 +101,41 @@ class Spectrum:
             h, radius = float(np.mean(rod.mesh.h)), rod.rod.section.radius_of_gyration
             scale = [h ** -order[0] * radius ** -(order[1] + order[2]) for order in rod.element.vectors]
             parts.append(np.tile(np.repeat(scale, 3), len(rod.q0)))
-        self._B: Any = model.boundary_matrix()
+        B: Any = model.boundary_matrix()
+        # The multipliers of joints are free, and the last; they are no motion.
+        self._B: Any = B[:, : B.shape[1] - (model.n - model.motions)]
+        parts.append(np.ones(model.n - model.motions))
         weight = np.abs(self._B)
         # A support mixes components of one vector or of vectors of one kind.
         self._D = (weight.T @ np.concatenate(parts)) / np.asarray(weight.sum(axis=0)).ravel()
 
     def matrix(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """S (free, free); symmetric if the loads have a potential."""
+        return self._matrix_and_rows(q, load_factor)[0]
+
+    def _matrix_and_rows(self, q: Floats, load_factor: float) -> tuple[sparse.csr_array, Floats]:
+        """S, and an orthonormal basis (free, conditions) of the rows of C, what the joints do not leave."""
         D: Any = sparse.diags_array(self._D / np.sqrt(self._stiffness))
-        return sparse.csr_array(D @ self.model.supported_tangent(q, load_factor) @ D)
+        K: Any = self.model.supported_tangent(q, load_factor)
+        n = self.size
+        S = sparse.csr_array(D @ K[:n, :n] @ D)
+        if K.shape[0] == n:
+            return S, np.empty((n, 0))
+        return S, np.linalg.qr((K[n:, :n] @ D).toarray().T)[0]
+
+    def with_multipliers(self, q: Floats, load_factor: float, modes: Floats) -> Floats:
+        """Modes (k, n) [SI] with the changes of the joints' multipliers that go with them.
+
+        K dq + C^T dlambda vanishes for a mode of eigenvalue zero, in the least squares that it is not.
+        """
+        if self.model.joints is None:
+            return modes
+        K: Any = self.model.supported_tangent(q, load_factor)
+        n, full = self.size, modes.copy()
+        scale = self._D[:, None]
+        right = -(K[:n, :n] @ (self._B.T @ modes.T)) * scale
+        full[:, self.model.motions :] = np.linalg.lstsq(scale * K[:n, n:].toarray(), right, rcond=None)[0].T
+        return full
 
     def motion(self, phi: Floats) -> Floats:
         """Coordinates (n,) or (n, k) [SI] of modes phi (free,) or (free, k)."""
@@ -113,11 +154,15 @@ class Spectrum:
 
         For scenes whose loads have a potential.
         """
-        S = self.matrix(q, load_factor)
+        S, basis = self._matrix_and_rows(q, load_factor)
         S = 0.5 * (S + S.T)
-        n, count = self.size, min(count, self.size)
-        basis = np.empty((n, 0)) if held is None else np.linalg.qr((self._B.T @ held.T) / self._D[:, None])[0]
-        if n <= DENSE:
+        n = self.size
+        if held is not None:
+            basis = np.linalg.qr(np.column_stack([basis, (self._B.T @ held.T) / self._D[:, None]]))[0]
+        count = min(count, n - basis.shape[1] if self.model.joints else n)
+        if n <= SMALL and not basis.size:
+            f, phi = eig_banded(_lower_band(S), lower=True, select="i", select_range=(0, count - 1))
+        elif n <= TINY:
             # Held motions go to the top of the spectrum.
             across = np.eye(n) - basis @ basis.T
             dense = across @ S.toarray() @ across + np.abs(S).sum() * (basis @ basis.T)
@@ -132,18 +177,22 @@ class Spectrum:
         return f, self.motion(phi)
 
     def negative_across(self, q: Floats, load_factor: float, held: Floats) -> int:
-        """Number of negative eigenvalues across held motions (h, n), up to `EXTRA` of a large model."""
-        count = self.size if self.size <= DENSE else EXTRA
-        return int(np.count_nonzero(self.lowest(q, load_factor, count, held)[0] < 0.0))
+        """Number of negative eigenvalues across held motions (h, n), up to `EXTRA`."""
+        return int(np.count_nonzero(self.lowest(q, load_factor, EXTRA, held)[0] < 0.0))
 
     def nearest_zero(self, q: Floats, load_factor: float, left: bool = False) -> tuple[float, Floats]:
         """Real eigenvalue of smallest magnitude and its mode, or left mode, (n,) [SI]; of any scene."""
-        S, n = self.matrix(q, load_factor), self.size
+        (S, rows), n = self._matrix_and_rows(q, load_factor), self.size
         S = sparse.csr_array(S.T) if left else S
-        if n <= DENSE_UNSYMMETRIC:
-            solver, arguments = eig, (S.toarray(),)
+        if n <= TINY:
+            across = np.eye(n) - rows @ rows.T
+            # What the joints do not leave goes to the top of the spectrum.
+            dense = across @ S.toarray() @ across + abs(S).sum() * (rows @ rows.T)
+            solver, arguments = eig, (dense,)
         else:
-            solver, arguments = partial(eigs, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n)), (S,)
+            near = _inverse_across(S, rows) if rows.size else None
+            solver = partial(eigs, k=min(EXTRA, n - 2), sigma=0.0, v0=np.ones(n), OPinv=near)
+            arguments = (S,)
         pairs: Any = solver(*arguments)
         values, modes = pairs
         real = np.abs(np.imag(values)) <= REAL * np.abs(values)

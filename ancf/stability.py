@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ancf.band import SingularMatrixError
 from ancf.continuation import Followed, follow
 from ancf.critical import CriticalPoint
-from ancf.spectrum import Spectrum, negative_eigenvalues
+from ancf.spectrum import Spectrum
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -91,7 +91,7 @@ def examine(
         if followed is not None and followed.points[-1].q is q:
             pivots = followed.points[-1].negative
         else:
-            pivots = negative_eigenvalues(model.pattern, model.system.supported(flat))
+            pivots = model.system.negative_eigenvalues(flat)
     else:
         notes.append(NO_POTENTIAL)
         try:

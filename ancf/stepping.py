@@ -71,7 +71,8 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     stability = model.scene.stability
     if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
         return _follow(model, trace, deadline)
-    if options.predictor == "auto":
+    # A prescribed motion is walked: at once it would lead anywhere.
+    if options.predictor == "auto" and model.longest_step >= 1.0:
         bent = load_start(model)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
@@ -158,6 +159,7 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
     path = Path(model, model.q0)
     step = _first_step(model)
     while trace.load_factor < 1.0:
+        step = min(step, model.longest_step)
         target = trace.load_factor + step
         if target > 1.0 - 1e-9:
             target = 1.0
@@ -168,16 +170,20 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         trace.history += result.history
         stable = _is_stable(model, result)
         jumped = stable is False and trace.stable is not False
-        if jumped and target - trace.load_factor > BRANCH_STEP:
+        # A prescribed motion may buckle a rod at any small part of it.
+        shortest = BRANCH_STEP * (1.0 if model.longest_step == np.inf else target)
+        if jumped and target - trace.load_factor > shortest:
             # Stable before, unstable after: a stable branch may turn off in between. Look closer.
             trace.cutbacks += 1
             step = (target - trace.load_factor) * CUT
             continue
         if _accept(model, trace, result, target, stable):
             path.add(target, result.q)
-            trace.rates.append(_rate(model, result))
+            rate = _rate(model, result)
+            trace.rates.append(model.largest_motion(rate))
             if len(result.history) <= QUICK_ITERATIONS:
                 step *= GROWTH
+            step = min(step, model.longest_change(result.q, rate))
             continue
         trace.cutbacks += 1
         step = (target - trace.load_factor) * CUT
@@ -195,8 +201,9 @@ def _first_step(model: Model) -> float:
         dq = model.system.solve(model.system.factorise(flat), forces.Q_ext)
     except ArithmeticError:
         return 1.0
-    largest = float(np.max(np.abs(dq / model.unit), initial=0.0))
-    return float(np.clip(FIRST_TURN / largest, SMALLEST_STEP, 1.0)) if largest > 0.0 else 1.0
+    largest = model.largest_motion(dq)
+    step = min(FIRST_TURN / largest if largest > 0.0 else 1.0, model.longest_change(model.q0, dq))
+    return float(np.clip(step, SMALLEST_STEP, 1.0))
 
 
 def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
@@ -210,9 +217,8 @@ def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
     return path.from_tangent(dq) if np.isfinite(dq).all() else trace.q
 
 
-def _rate(model: Model, result: NewtonResult) -> float:
-    """Largest dimensionless |dq / d load factor| by the last factorisation."""
+def _rate(model: Model, result: NewtonResult) -> Floats:
+    """dq / d load factor (n,) by the last factorisation."""
     if result.lu is None:
-        return 0.0
-    dq = model.system.solve(result.lu, model.residual(result.q).Q_ext)
-    return float(np.max(np.abs(dq / model.unit), initial=0.0))
+        return np.zeros(model.n)
+    return model.system.solve(result.lu, model.residual(result.q, result.load_factor).Q_ext)

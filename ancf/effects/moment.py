@@ -76,27 +76,16 @@ class SectionMoment(_PointMoment):
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         rotation = self._rotation(e)
-        mu = rotation.G_inverse @ self._moment(rotation)
-        return (self.point.N.T @ (rotation.RW @ hat(mu).T))[None]
+        return (self.point.N.T @ rotation.couple(self._moment(rotation)))[None]
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; unsymmetric."""
         rotation = self._rotation(e)
-        RW, directors = rotation.RW, len(rotation.RW)
         M = self._moment(rotation)
-        mu = rotation.G_inverse @ M
-        hat_mu, hat_RW = hat(mu), hat(RW)
-        # Columns of the (3, 3 directors) matrices below are the components of the directors.
         dw = rotation.spin().reshape(3, -1)
-        dV_mu = (np.eye(3)[:, None] * (RW @ mu)[:, None]).reshape(3, -1) + rotation.V @ hat_mu @ dw
-        # tr(dV) = sum_k RW_k . dd_k: the trace of the symmetric V times a skew matrix is zero.
-        dG_mu = np.outer(mu, RW) - dV_mu
         dM = -hat(M) @ dw if self.follower else 0.0
-        dmu = rotation.G_inverse @ (dM - dG_mu)
-        # Q_l = mu x RW_l, RW_l turns with dw.
-        dQ = -hat_RW @ dmu - hat_mu @ hat_RW @ dw
-        Q = self.point.N.T @ (RW @ hat_mu.T)
-        K = self.to_directors.T @ dQ.reshape(3 * directors, -1) @ self.to_directors
+        Q = self.point.N.T @ rotation.couple(M)
+        K = self.to_directors.T @ rotation.couple_tangent(M, dM, dw) @ self.to_directors
         return Q[None], K[None]
 
 
