@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ancf.arclength import PathPoint, path_from_reference
 from ancf.band import SingularMatrixError
 from ancf.critical import CriticalPoint, critical_points, turn_off
-from ancf.failure import LARGEST_TURN, largest_turn
+from ancf.failure import LARGEST_TURN, LARGEST_WAVE, largest_turn, largest_wave
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome
 
@@ -26,7 +26,7 @@ class Followed:
 
     reached: whether its last point has the load factor asked for; turned_off: whether it left the primary
     branch; failure: the Newton iteration that ended it; out_of_steps: its budget did; too_coarse: elements
-    that turn too much did, beyond which a critical point would be one of the mesh.
+    that turn or are pressed too much did, beyond which a critical point would be one of the mesh.
     """
 
     points: list[PathPoint] = field(default_factory=list)
@@ -92,7 +92,9 @@ def follow(
                 path.retreat()
                 continue
         found.steps += 1
-        if first_critical and largest_turn(model, point.q) > LARGEST_TURN:
+        if first_critical and (
+            largest_turn(model, point.q) > LARGEST_TURN or largest_wave(model, point.q) > LARGEST_WAVE
+        ):
             found.too_coarse = True
             break
         met = list(critical_points(path))

@@ -35,6 +35,9 @@ EXTREME_LOAD = 1e5
 # (a full circle on 12 elements 3333) and by 8e-3 L at 1.05 (two turns).
 LARGEST_TURN = 0.7
 
+# Quarter of a buckling wave in an element: critical loads beyond are those of the mesh.
+LARGEST_WAVE = 0.5 * np.pi
+
 _CAUSES = {
     Outcome.TOO_MANY: (
         "the load step is too large or a limit point is near",
@@ -174,6 +177,24 @@ def smallest_stretch(model: Model, q: Floats) -> float:
 def largest_turn(model: Model, q: Floats) -> float:
     """Largest rotation [rad] between the ends of an element, beyond that of the reference."""
     return max(float(element_turns(rod, q).max()) for rod in model.rods)
+
+
+def largest_wave(model: Model, q: Floats) -> float:
+    """Largest part of a turn [rad] of a buckling wave that an element has: h sqrt(-N/E I), N its axial force.
+
+    A compressed element beyond a quarter wave (pi/2) bends in ways that its polynomials do not follow.
+    """
+    worst = 0.0
+    for rod in model.rods:
+        v = rod.generalised(q)
+        t = v[:, :, 0] / np.linalg.norm(v[:, :, 0], axis=-1, keepdims=True)
+        force = rod.elastic.vector_force(v)[:, :, 0] / rod.axial_weights[..., None]
+        pressed = np.max(-np.sum(force * t, axis=-1), axis=1).clip(min=0.0)
+        first, kind = rod.element_kinds
+        young = np.array([rod.material_of(index).young_modulus for index in first])
+        second = np.array([rod.section_in(index, 0.0).weaker_second_moment for index in first])
+        worst = max(worst, float(np.max(rod.mesh.h * np.sqrt(pressed / (young * second)[kind]))))
+    return worst
 
 
 def element_turns(rod: RodModel, q: Floats) -> Floats:

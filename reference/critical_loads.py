@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, cosh, pi, sin, sinh, sqrt, tan
+from typing import Any
 
 from scipy.optimize import minimize_scalar
 
@@ -124,7 +125,7 @@ def beck_flutter() -> Flutter:
             a, b = sqrt(root - p / 2), sqrt(root + p / 2)
             return p * p + 2 * w * w * (1 + cosh(a) * cos(b)) + p * w * sinh(a) * sin(b)
 
-        best = minimize_scalar(left, bounds=(5.0, 17.0), method="bounded", options={"xatol": 1e-9})
+        best: Any = minimize_scalar(left, bounds=(5.0, 17.0), method="bounded", options={"xatol": 1e-9})
         return float(best.fun), float(best.x)
 
     load = bracketed_root(lambda p: lowest(p)[0], 18.0, 22.0)

@@ -116,7 +116,7 @@ MEASURES = (
         _ENERGY_ORDER, quick=False,
     ),
 )  # fmt: skip
-WALKED = ("drift, hundred steps", "energy balance", "energy order off 2")
+WALKED: tuple[str, ...] = ("drift, hundred steps", "energy balance", "energy order off 2")
 
 
 def hard_limits(case: HardCase, full: bool = True) -> tuple[Limit, ...]:
