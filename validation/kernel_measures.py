@@ -120,15 +120,16 @@ def rigid_force(model: RodModel, q: Floats) -> float:
 
 
 def force_over_floor(model: RodModel, q: Floats) -> float:
-    """Largest elastic force, dimensionless by E I / L^2, over the float64 floor 10 eps n_el c A L^2 / I of
-    theory.md 5.
+    """Largest elastic force, dimensionless by E I / L^2, over the float64 floor 10 eps (L/h) c A L^2 / I.
+
+    theory.md 5 has n_el = L/h of equal elements; positions stored to eps L strain an element of length h by
+    eps L/h, so the shortest one sets the floor of unequal elements.
     """
     rod, L = model.rod, model.rod.length
+    finest = L / float(np.min(model.mesh.h))
     I = model.bending_stiffness / rod.material.young_modulus  # noqa: E741
     unit = model.bending_stiffness / L / nodal_units(model, L)
-    floor = (
-        10.0 * np.finfo(float).eps * rod.elements * constrained_factor(model) * rod.section.area * L**2 / I
-    )
+    floor = 10.0 * np.finfo(float).eps * finest * constrained_factor(model) * rod.section.area * L**2 / I
     return float(np.max(np.abs(nodal_force(model, q) / unit))) / floor
 
 

@@ -83,8 +83,8 @@ PROPERTIES: tuple[Property, ...] = (
         "rigid-floor",
         "The elastic force after a rigid motion stays at the float64 floor",
         2.0,
-        "10 eps n_el A L^2/I",
-        "theory.md 5; twice the estimate, which is one of size",
+        "10 eps (L/h) c A L^2/I",
+        "theory.md 5, where equal elements make L/h = n_el; twice the estimate, which is one of size",
         example.rigid(kernel.force_over_floor),
     ),
     Property(
