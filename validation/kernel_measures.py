@@ -13,6 +13,7 @@ c      D_11 / E_young = (1 - nu) / ((1 + nu)(1 - 2 nu)), the stiffening where it
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from ancf.effects import Effect
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.section_energy import local_gradient, strain_matrix
+from ancf.section_law import QuadraticSection
 from validation.criteria import largest
 
 Floats = NDArray[np.float64]
@@ -229,6 +231,17 @@ def mixed_prediction_error(model: RodModel, q: Floats, q_previous: Floats) -> fl
 # ---------------------------------------------------------------------------------------------------
 
 
+def strain_tangent(model: RodModel, q: Floats) -> Floats:
+    """B^T D B (n_el, 3 nodal, 3 nodal) at q with the D of the unstressed law: its zero modes are those of B.
+
+    Only a definite D shows them, and that of strained rubber is not: the pressure of a volume changed by 10 %
+    at nu = 0.496 outweighs the shear modulus.
+    """
+    v = model.elastic.generalised(per_element(model, q))
+    _, D = model.elastic.section.response(np.zeros_like(model.elastic.gamma(v)))
+    return replace(model.elastic, section=QuadraticSection(D)).material_tangent(v)
+
+
 def assembled(model: RodModel, K_e: Floats) -> Floats:
     """Dense symmetric matrix (n, n) of element tangents, dimensionless by the shortest element, unit
     diagonal.
@@ -238,6 +251,7 @@ def assembled(model: RodModel, K_e: Floats) -> Floats:
     K = np.zeros((n, n))
     np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), K_e)
     diagonal = np.diag(K)
+    assert np.all(diagonal >= 0.0), "an indefinite matrix has no unit diagonal"
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     return K * scale * scale[:, None]
 

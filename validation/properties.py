@@ -172,7 +172,7 @@ PROPERTIES: tuple[Property, ...] = (
         "B^T D B in bent and twisted states has exactly six zero modes",
         0.0,
         "modes",
-        "issue 2, NUMBERS",
+        "issue 2, NUMBERS; D of the unstressed law, because that of strained rubber is indefinite",
         example.zero_modes(bent=True),
     ),
     Property(
