@@ -150,43 +150,44 @@ def objectivity(model: RodModel, q: Floats, rotation: Floats) -> float:
 
 
 def difference_order(
-    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats
+    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, terms: float = 0.0
 ) -> tuple[float, float]:
     """Observed order of central differences of f along de, and their extrapolated error against `derivative`.
 
     The error of (f(e + t de) - f(e - t de)) / 2 t is t^2 f'''/6 + ..., so halving t divides it by 4 and the
-    order is 2
-    if, and only if, `derivative` is right. Where f is a polynomial of degree 2 the error is zero at once
-    and the order is returned as 2. The second number removes the t^2 and t^4 terms; relative to |derivative|.
-    Rubber near det F = 0 needs shorter steps: the better of two scales counts, for a wrong derivative is
-    wrong on both.
+    order is 2 if, and only if, `derivative` is right. It is taken from the two shortest steps, where t^4
+    weighs least against a t^2 term that nearly vanishes; where f is a polynomial of degree 2 the error is
+    zero at once and the order is returned as 2. The second number removes the t^2 and t^4 terms. Errors are
+    relative to |derivative|, or to `terms`, the sum of its absolute terms, where those may cancel: rounding
+    is relative to them. Rubber near det F = 0 needs shorter steps: the better of two scales counts, for a
+    wrong derivative is wrong on both.
     """
-    found = [_difference_order(f, e, de, derivative, np.multiply(STEPS, scale)) for scale in STEP_SCALES]
+    scale = max(float(np.max(np.abs(derivative))), terms, 1e-300)
+    found = [_difference_order(f, e, de, derivative, np.multiply(STEPS, s), scale) for s in STEP_SCALES]
     return min(found, key=lambda pair: pair[1])
 
 
 def _difference_order(
-    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, steps: Floats
+    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, steps: Floats, scale: float
 ) -> tuple[float, float]:
     D = [(np.asarray(f(e + t * de)) - np.asarray(f(e - t * de))) / (2.0 * t) for t in steps]
-    scale = max(float(np.max(np.abs(derivative))), 1e-300)
     errors = [float(np.max(np.abs(d - derivative))) / scale for d in D]
     once = [(4.0 * D[i + 1] - D[i]) / 3.0 for i in (0, 1)]
     extrapolated = (16.0 * once[1] - once[0]) / 15.0
     floor = float(np.max(np.abs(extrapolated - derivative))) / scale
     if errors[0] < 1e-9:
         return 2.0, largest(errors[0], floor)
-    return float(np.log(errors[0] / max(errors[1], 1e-300)) / np.log(steps[0] / steps[1])), floor
+    return float(np.log(errors[1] / max(errors[2], 1e-300)) / np.log(steps[1] / steps[2])), floor
 
 
 def elastic_orders(model: RodModel, q: Floats, dq: Floats) -> tuple[float, float]:
     """Worst |order - 2| and worst extrapolated error of energy -> force and force -> tangent."""
     elastic, e, de = model.elastic, per_element(model, q), per_element(model, dq)
     Q, K = elastic.force_and_tangent(e)
-    power = np.array(float(np.sum(Q * de)))
+    power, terms = np.array(float(np.sum(Q * de))), float(np.sum(np.abs(Q * de)))
     along = np.einsum("eij,ej->ei", K, de.reshape(len(de), -1)).reshape(e.shape)
     found = [
-        difference_order(lambda x: np.array(elastic.energy(x)), e, de, power),
+        difference_order(lambda x: np.array(elastic.energy(x)), e, de, power, terms),
         difference_order(elastic.force, e, de, along),
     ]
     return largest(*(abs(order - 2.0) for order, _ in found)), largest(*(error for _, error in found))

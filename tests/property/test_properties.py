@@ -73,6 +73,10 @@ KEPT = [
         0.0, 8.0, "annulus", 0.5, 1, False, "enhanced", False, SAINT_VENANT, 0.0, 4.0, 500.0, "default",
         *ORIGIN, 0.5, 0.0, -0.25, -0.125, "clamp", 0.0, *ORIGIN, "fixed", *ORIGIN,
         *ORIGIN, 0, -1.0, 0.0, 0.0, 1.0, *ORIGIN, 0, *UNTURNED)),
+    # The power of a small change is 1/1500 of its terms, and the steps are 2.5e-4 of the vectors: rounding.
+    ("elastic-derivative", "3243", (
+        0.0, 8.0, "circle", 0.5, 1, False, "enhanced", False, NEO_HOOKEAN, 0.0, 4.0, 500.0, "default",
+        *ORIGIN, 1.0, 0.0, 1.0, -1.0, "clamp", False, -2.0, 1.0, -2.0, 0, *UNTURNED, *ORIGIN, 0, *UNTURNED)),
     # nu = -0.5: besides the lateral stretch 0.92 a second, unstable one of 0.51.
     ("stretch", "3333", (
         0.0, 5.0, "circle", 0.5, 1, False, "enhanced", False, NEO_HOOKEAN, -0.5, 4.0, 500.0, "default",
