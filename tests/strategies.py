@@ -3,7 +3,7 @@ them.
 """
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from hypothesis import settings
@@ -19,14 +19,41 @@ class HypothesisDraws:
 
     def __init__(self, draw) -> None:
         self.draw = draw
+        self.drawn: list[Any] = []  # what a counterexample is kept as, see `ListedDraws`
 
     def number(self, low: float, high: float) -> float:
         """See `Draws.number`."""
-        return self.draw(st.floats(low, high, allow_nan=False, allow_subnormal=False))
+        return self._kept(self.draw(st.floats(low, high, allow_nan=False, allow_subnormal=False)))
 
     def choice(self, options: Sequence[T]) -> T:
         """See `Draws.choice`."""
-        return self.draw(st.sampled_from(options))
+        return self._kept(self.draw(st.sampled_from(options)))
+
+    def _kept(self, value: T) -> T:
+        self.drawn.append(value)
+        return value
+
+
+class ListedDraws:
+    """Draws from a list, in order: the `drawn` of a counterexample that Hypothesis printed.
+
+    A list that no longer fits what is drawn fails here, so that it cannot turn into another example.
+    """
+
+    def __init__(self, drawn: Sequence[Any]) -> None:
+        self.left = list(drawn)
+
+    def number(self, low: float, high: float) -> float:
+        """See `Draws.number`."""
+        value = self.left.pop(0)
+        assert isinstance(value, float) and low <= value <= high, (low, value, high)
+        return value
+
+    def choice(self, options: Sequence[T]) -> T:
+        """See `Draws.choice`."""
+        value = self.left.pop(0)
+        assert not isinstance(value, float) and value in options, (value, options)
+        return value
 
 
 @st.composite

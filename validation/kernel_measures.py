@@ -13,6 +13,7 @@ c      D_11 / E_young = (1 - nu) / ((1 + nu)(1 - 2 nu)), the stiffening where it
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from ancf.effects import Effect
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.section_energy import local_gradient, strain_matrix
+from ancf.section_law import QuadraticSection
 from validation.criteria import largest
 
 Floats = NDArray[np.float64]
@@ -120,15 +122,16 @@ def rigid_force(model: RodModel, q: Floats) -> float:
 
 
 def force_over_floor(model: RodModel, q: Floats) -> float:
-    """Largest elastic force, dimensionless by E I / L^2, over the float64 floor 10 eps n_el c A L^2 / I of
-    theory.md 5.
+    """Largest elastic force, dimensionless by E I / L^2, over the float64 floor 10 eps (L/h) c A L^2 / I.
+
+    theory.md 5 has n_el = L/h of equal elements; positions stored to eps L strain an element of length h by
+    eps L/h, so the shortest one sets the floor of unequal elements.
     """
     rod, L = model.rod, model.rod.length
+    finest = L / float(np.min(model.mesh.h))
     I = model.bending_stiffness / rod.material.young_modulus  # noqa: E741
     unit = model.bending_stiffness / L / nodal_units(model, L)
-    floor = (
-        10.0 * np.finfo(float).eps * rod.elements * constrained_factor(model) * rod.section.area * L**2 / I
-    )
+    floor = 10.0 * np.finfo(float).eps * finest * constrained_factor(model) * rod.section.area * L**2 / I
     return float(np.max(np.abs(nodal_force(model, q) / unit))) / floor
 
 
@@ -147,43 +150,44 @@ def objectivity(model: RodModel, q: Floats, rotation: Floats) -> float:
 
 
 def difference_order(
-    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats
+    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, terms: float = 0.0
 ) -> tuple[float, float]:
     """Observed order of central differences of f along de, and their extrapolated error against `derivative`.
 
     The error of (f(e + t de) - f(e - t de)) / 2 t is t^2 f'''/6 + ..., so halving t divides it by 4 and the
-    order is 2
-    if, and only if, `derivative` is right. Where f is a polynomial of degree 2 the error is zero at once
-    and the order is returned as 2. The second number removes the t^2 and t^4 terms; relative to |derivative|.
-    Rubber near det F = 0 needs shorter steps: the better of two scales counts, for a wrong derivative is
-    wrong on both.
+    order is 2 if, and only if, `derivative` is right. It is taken from the two shortest steps, where t^4
+    weighs least against a t^2 term that nearly vanishes; where f is a polynomial of degree 2 the error is
+    zero at once and the order is returned as 2. The second number removes the t^2 and t^4 terms. Errors are
+    relative to |derivative|, or to `terms`, the sum of its absolute terms, where those may cancel: rounding
+    is relative to them. Rubber near det F = 0 needs shorter steps: the better of two scales counts, for a
+    wrong derivative is wrong on both.
     """
-    found = [_difference_order(f, e, de, derivative, np.multiply(STEPS, scale)) for scale in STEP_SCALES]
+    scale = max(float(np.max(np.abs(derivative))), terms, 1e-300)
+    found = [_difference_order(f, e, de, derivative, np.multiply(STEPS, s), scale) for s in STEP_SCALES]
     return min(found, key=lambda pair: pair[1])
 
 
 def _difference_order(
-    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, steps: Floats
+    f: Callable[[Floats], Floats], e: Floats, de: Floats, derivative: Floats, steps: Floats, scale: float
 ) -> tuple[float, float]:
     D = [(np.asarray(f(e + t * de)) - np.asarray(f(e - t * de))) / (2.0 * t) for t in steps]
-    scale = max(float(np.max(np.abs(derivative))), 1e-300)
     errors = [float(np.max(np.abs(d - derivative))) / scale for d in D]
     once = [(4.0 * D[i + 1] - D[i]) / 3.0 for i in (0, 1)]
     extrapolated = (16.0 * once[1] - once[0]) / 15.0
     floor = float(np.max(np.abs(extrapolated - derivative))) / scale
     if errors[0] < 1e-9:
         return 2.0, largest(errors[0], floor)
-    return float(np.log(errors[0] / max(errors[1], 1e-300)) / np.log(steps[0] / steps[1])), floor
+    return float(np.log(errors[1] / max(errors[2], 1e-300)) / np.log(steps[1] / steps[2])), floor
 
 
 def elastic_orders(model: RodModel, q: Floats, dq: Floats) -> tuple[float, float]:
     """Worst |order - 2| and worst extrapolated error of energy -> force and force -> tangent."""
     elastic, e, de = model.elastic, per_element(model, q), per_element(model, dq)
     Q, K = elastic.force_and_tangent(e)
-    power = np.array(float(np.sum(Q * de)))
+    power, terms = np.array(float(np.sum(Q * de))), float(np.sum(np.abs(Q * de)))
     along = np.einsum("eij,ej->ei", K, de.reshape(len(de), -1)).reshape(e.shape)
     found = [
-        difference_order(lambda x: np.array(elastic.energy(x)), e, de, power),
+        difference_order(lambda x: np.array(elastic.energy(x)), e, de, power, terms),
         difference_order(elastic.force, e, de, along),
     ]
     return largest(*(abs(order - 2.0) for order, _ in found)), largest(*(error for _, error in found))
@@ -228,6 +232,17 @@ def mixed_prediction_error(model: RodModel, q: Floats, q_previous: Floats) -> fl
 # ---------------------------------------------------------------------------------------------------
 
 
+def strain_tangent(model: RodModel, q: Floats) -> Floats:
+    """B^T D B (n_el, 3 nodal, 3 nodal) at q with the D of the unstressed law: its zero modes are those of B.
+
+    Only a definite D shows them, and that of strained rubber is not: the pressure of a volume changed by 10 %
+    at nu = 0.496 outweighs the shear modulus.
+    """
+    v = model.elastic.generalised(per_element(model, q))
+    _, D = model.elastic.section.response(np.zeros_like(model.elastic.gamma(v)))
+    return replace(model.elastic, section=QuadraticSection(D)).material_tangent(v)
+
+
 def assembled(model: RodModel, K_e: Floats) -> Floats:
     """Dense symmetric matrix (n, n) of element tangents, dimensionless by the shortest element, unit
     diagonal.
@@ -237,6 +252,7 @@ def assembled(model: RodModel, K_e: Floats) -> Floats:
     K = np.zeros((n, n))
     np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), K_e)
     diagonal = np.diag(K)
+    assert np.all(diagonal >= 0.0), "an indefinite matrix has no unit diagonal"
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     return K * scale * scale[:, None]
 

@@ -83,8 +83,8 @@ PROPERTIES: tuple[Property, ...] = (
         "rigid-floor",
         "The elastic force after a rigid motion stays at the float64 floor",
         2.0,
-        "10 eps n_el A L^2/I",
-        "theory.md 5; twice the estimate, which is one of size",
+        "10 eps (L/h) c A L^2/I",
+        "theory.md 5, where equal elements make L/h = n_el; twice the estimate, which is one of size",
         example.rigid(kernel.force_over_floor),
     ),
     Property(
@@ -172,7 +172,7 @@ PROPERTIES: tuple[Property, ...] = (
         "B^T D B in bent and twisted states has exactly six zero modes",
         0.0,
         "modes",
-        "issue 2, NUMBERS",
+        "issue 2, NUMBERS; D of the unstressed law, because that of strained rubber is indefinite",
         example.zero_modes(bent=True),
     ),
     Property(
