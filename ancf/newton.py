@@ -1,9 +1,9 @@
 """Newton iteration at one load factor: dimensionless step and residual, mixed-integration-point tangent.
 
-Converged means: last step <= tolerance (lengths by L, slopes by 1) and residual <= max(tolerance, floor),
-where the floor is what coordinates stored in float64 leave: eps sum_j |K_ij| |q_j| at the worst equation,
-about 10 eps n_el A L^2 / I for a rod of n_el elements, more near incompressibility. Nothing is divided by
-the load.
+Converged means: last step <= tolerance (lengths by L, slopes by 1), or small and only noise of rounding, and
+residual <= max(tolerance, floor). The floor is what coordinates stored in float64 leave at the worst equation,
+eps sum_j |K_ij| |q_j|: about 10 eps n_el A L^2 / I for a rod of n_el elements, more near incompressibility.
+Nothing is divided by the load.
 
 With a `Border` the load factor is unknown too, and conditions on it and the coordinates come along.
 """
@@ -34,6 +34,9 @@ FALLING = 0.7
 FLOOR_FACTOR = 1.0
 # A step that would turn a section inside out is halved, at most to this share.
 SMALLEST_SHARE = 1.0 / 64.0
+# Near a critical point rounding of the residual moves a soft shape by more than the tolerance: a step so small
+# that no longer falls is noise, and the residual alone decides.
+NOISE_STEP, NOISE_RATIO = 1e-7, 0.1
 # Steps that stay below the tolerance while the residual does not fall: stuck above the floor.
 STAGNATION = 4
 
@@ -146,7 +149,8 @@ def newton(
             return _ended(result, Outcome.INVERTED)
         q_previous, q = q, q + share * dq
         load_factor += share * change
-        if share == 1.0 and step <= options.tolerance:
+        noise = step <= NOISE_STEP and iteration > 1 and step > NOISE_RATIO * result.history[-2].step
+        if share == 1.0 and (step <= options.tolerance or noise):
             result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(flat, q)
             forces = model.residual(q, load_factor)
             finite = _measure(model, result, model.system.project(forces.at(load_factor)))

@@ -84,6 +84,9 @@ def in_millimetres(scene: Scene) -> Variant:
             load["value"] = [v * MM_G_S[table] for v in load["value"]]
             if "offset" in load:
                 load["offset"] = [v * MM_G_S["length"] for v in load["offset"]]
+    for joint in changed.get("joint", []):
+        if "displacement" in joint:
+            joint["displacement"] = [v * MM_G_S["length"] for v in joint["displacement"]]
     _accelerate(changed, lambda g: g * MM_G_S["acceleration"])
     return Variant(changed, lambda shape: [r / MM_G_S["length"] for r in shape])
 
@@ -98,6 +101,10 @@ def turned(scene: Scene) -> Variant:
         rod["base"] = {"position": position, "x_axis": axes[:, 0].tolist(), "y_axis": axes[:, 1].tolist()}
     for load in _loads(changed):
         load["value"] = (R @ np.asarray(load["value"], float)).tolist()
+    for joint in changed.get("joint", []):
+        for key in ("axis", "displacement", "rotation"):
+            if key in joint:
+                joint[key] = (R @ np.asarray(joint[key], float)).tolist()
     _accelerate(changed, lambda g: R @ g)
     return Variant(changed, lambda shape: [r @ R for r in shape])
 
@@ -125,7 +132,8 @@ def reversed_rods(scene: Scene) -> Variant:
         shifts.append(shift)
         place = (record.base.position + shift).tolist()
         rod["base"] = {"position": place, "x_axis": (-axes[:, 0]).tolist(), "y_axis": axes[:, 1].tolist()}
-        rod["supports"] = [{"at": 1.0 - s.at, "kind": s.kind} for s in record.supports]
+        if record.supports:
+            rod["supports"] = [{"at": 1.0 - s.at, "kind": s.kind} for s in record.supports]
         rod["curvature"] = (record.curvature * np.array([1.0, -1.0, 1.0])).tolist()
         if "segments" in rod:
             rod["segments"] = rod["segments"][::-1]
@@ -137,6 +145,9 @@ def reversed_rods(scene: Scene) -> Variant:
         load["at"] = 1.0 - load.get("at", 1.0)
         if "offset" in load:
             load["offset"] = [load["offset"][0], -load["offset"][1]]
+    for joint in changed.get("joint", []):
+        for side in (joint[key] for key in ("a", "b") if isinstance(joint[key], dict)):
+            side["at"] = 1.0 - side["at"]
     return Variant(changed, lambda shape: [r[::-1] + s for r, s in zip(shape, shifts, strict=True)])
 
 
