@@ -84,4 +84,4 @@ def buckling() -> Iterator[HardCase]:
     )
 
 
-WAITING = (("right-angle frame, ring", "joints"),)
+WAITING = (("uniform section pressure", "the effect `pressure`"),)

@@ -26,6 +26,7 @@ from validation.hard_families import shapes
 from validation.hard_limits import EPS, WALKED, hard_limits
 from validation.hard_loads import loads
 from validation.hard_pieces import pieces
+from validation.hard_ring import loop, ring
 from validation.hard_stability import stability
 from validation.hard_starts import starts
 
@@ -67,7 +68,7 @@ class HardResult:
 @cache
 def hard_cases() -> tuple[HardCase, ...]:
     """All of them, in the order of the table; names are unique."""
-    cases = (*shapes(), *pieces(), *loads(), *starts(), *buckling(), *stability())
+    cases = (*shapes(), *pieces(), *loads(), *starts(), *buckling(), *stability(), *ring(), *loop())
     names = [case.name for case in cases]
     if len(set(names)) != len(names):
         raise ValueError(f"two hard cases of one name: {sorted(n for n in names if names.count(n) > 1)[0]}")
