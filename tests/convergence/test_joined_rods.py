@@ -147,9 +147,11 @@ def test_a_twisted_and_pushed_rod_buckles_where_greenhill_says():
 def test_twist_alone_keeps_a_held_rod_straight_and_stable():
     """Four turns: torque GJ phi/L, nothing aside, and no buckling at Greenhill's 8.99 EI/L.
 
-    Fibres stretch by (phi r/L)^2/2, so ends that are held apart meet a tension of the order of phi^2 EI/L^2,
-    whatever the slenderness: more than T^2/(4 EI) = phi^2 EI/L^2/(4 (1 + nu)^2), below which a straight rod
-    of any length is stable (Love, art. 272)."""
+    Ends held apart meet Poynting's tension, of the order of phi^2 EI/L^2 whatever the slenderness. By
+    `reference.section.twist` (its stretch without force) it is 0.538 of that for Saint Venant-Kirchhoff at
+    nu = 0.3, (1 - nu)/(1 + nu): more than T^2/(4 EI), below which a straight rod of any length is stable
+    (Love, art. 272).
+    """
     radius, phi = 0.001, 8 * math.pi
     EI = bending_stiffness(radius)
     scene = {"rod": [rod(elements=40, radius=radius, supports=[{}])], "joint": [ground(rotation=[phi, 0, 0])]}
@@ -157,5 +159,25 @@ def test_twist_alone_keeps_a_held_rod_straight_and_stable():
     carried = solution.joints[0]
     assert carried.moment[0] == pytest.approx(EI / (1 + NU) * phi, rel=2e-3)
     np.testing.assert_allclose(solution.nodes()[:, 1:], 0.0, atol=1e-12)
+    assert carried.force[0] == pytest.approx(0.538 * phi**2 * EI, rel=5e-3)
     assert carried.force[0] > carried.moment[0] ** 2 / (4 * EI)
     assert solution.stable
+
+
+def test_twist_alone_buckles_a_held_rod_of_rubber():
+    """Neo-Hookean: Poynting's force is -0.231 phi^2 EI/L^2 (`reference.section.twist`, nu = 0.3), a push."""
+    radius = 0.002
+    EI = bending_stiffness(radius)
+    rubber = rod(elements=16, radius=radius, element="3363")
+    rubber["material"]["law"] = "neo-hookean"
+    joints = [ground(0.0), ground(rotation=[3 * math.pi, 0, 0])]
+    solution = solved({"rod": [rubber], "joint": joints, "stability": {}})
+    assert solution.stability is not None and solution.model.joints is not None
+    assert solution.stability.negative_pivots > 0
+    first = solution.stability.critical_points[0]
+    joint, phi = solution.model.joints.models[1], 3 * math.pi * first.load_factor
+    force, moment = joint.forces(first.point.q[joint.dofs], first.load_factor)
+    N, T = force[0] / EI, moment[0] / EI
+    assert pytest.approx(-0.231 * phi**2, rel=5e-3) == N
+    nearest = min(np.linspace(0.98, 1.02, 401), key=lambda f: singular(f * N, f * T))
+    assert nearest == pytest.approx(1.0, abs=5e-3)
