@@ -181,3 +181,40 @@ def test_twist_alone_buckles_a_held_rod_of_rubber():
     assert pytest.approx(-0.231 * phi**2, rel=5e-3) == N
     nearest = min(np.linspace(0.98, 1.02, 401), key=lambda f: singular(f * N, f * T))
     assert nearest == pytest.approx(1.0, abs=5e-3)
+
+
+def test_lees_frame_snaps_through():
+    """Right-angle frame on two hinges, force at a fifth of the beam: limit points at 18.552 and -9.4 EI/L^2.
+
+    Legs of 120 cm, section 3 x 2 cm, 1.8552 kN at E = 720 kN/cm^2 (Lee, Manuel, Rossow 1968, J. Eng. Mech. Div.
+    94; Schweizerhof, Wriggers 1986, Comput. Methods Appl. Mech. Eng. 59). Shear adds (h/L)^2 = 3e-4.
+    Out of its plane the frame branches between them; a planar model does not see that.
+    """
+    leg = {
+        "length": 1.2, "elements": 12, "section": {"shape": "rectangle", "height_y": 0.02, "width_z": 0.03},
+        "material": {"young_modulus": 7.2e8, "poisson_ratio": 0.3},
+    }  # fmt: skip
+    column = {"name": "column", "base": {"x_axis": [0, 1, 0], "y_axis": [-1, 0, 0]}, **leg}
+    beam = {"name": "beam", "base": {"position": [0, 1.2, 0]}, **leg}
+
+    def place(name, at):
+        return {"rod": name, "at": at}
+
+    hinge = {"kind": "hinge", "axis": [0, 0, 1], "b": "ground"}
+    joints = [
+        {**hinge, "a": place("column", 0.0)},
+        {"kind": "rigid", "a": place("column", 1.0), "b": place("beam", 0.0)},
+        {**hinge, "a": place("beam", 1.0)},
+    ]
+    full, unit = 30.0, 7.2e8 * 0.03 * 0.02**3 / 12 / 1.2**2
+    scene = {
+        "rod": [column, beam], "joint": joints,
+        "force": [{"rod": "beam", "at": 0.2, "value": [0, -full * unit, 0]}],
+        "solver": {"method": "arclength"},
+    }  # fmt: skip
+    solution = solved(scene)
+    assert solution.stability is not None
+    limits = [c.load_factor * full for c in solution.stability.critical_points if c.kind == "limit"]
+    assert limits[0] == pytest.approx(18.552, rel=3e-3)
+    assert limits[1] == pytest.approx(-9.4, rel=1e-2)
+    assert len(limits) == 2 and solution.stable
