@@ -218,3 +218,29 @@ def test_lees_frame_snaps_through():
     assert limits[0] == pytest.approx(18.552, rel=3e-3)
     assert limits[1] == pytest.approx(-9.4, rel=1e-2)
     assert len(limits) == 2 and solution.stable
+
+
+def test_a_right_angle_frame_of_a_strip_buckles_out_of_its_plane():
+    """Cantilever frame, in-plane force at the free end: 1.088 N (Argyris et al. 1979; Simo, Vu-Quoc 1986).
+
+    Legs of 240 mm, section 30 x 0.6 mm, E = 71.24 GPa, nu = 0.31. The section of 3333 does not warp:
+    `shear_factors` bring G (I_y + I_z) to the torsion constant 30 0.6^3/3 = 2.16 mm^4 of the strip.
+    """
+    factor = 2.16 / (30 * 0.6**3 / 12 + 0.6 * 30**3 / 12)
+    leg = {
+        "length": 0.24, "elements": 10, "shear_factors": [factor, factor],
+        "section": {"shape": "rectangle", "height_y": 0.030, "width_z": 0.0006},
+        "material": {"young_modulus": 71.24e9, "poisson_ratio": 0.31},
+    }  # fmt: skip
+    held = {"name": "held", "supports": [{"at": 0.0}], **leg}
+    free = {
+        "name": "free",
+        "base": {"position": [0.24, 0, 0], "x_axis": [0, -1, 0], "y_axis": [1, 0, 0]},
+        **leg,
+    }
+    joint = {"kind": "rigid", "a": {"rod": "held", "at": 1.0}, "b": {"rod": "free", "at": 0.0}}
+    force = {"rod": "free", "value": [2.0, 0, 0]}
+    solution = solved({"rod": [held, free], "joint": [joint], "force": [force], "stability": {}})
+    assert solution.stability is not None and solution.stability.buckling_factor is not None
+    assert 2.0 * solution.stability.buckling_factor == pytest.approx(1.088, rel=3e-3)
+    assert solution.stability.negative_pivots == 1
