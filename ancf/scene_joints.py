@@ -38,7 +38,7 @@ def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
     joints = joints if isinstance(joints, list | tuple) else ()
     entries = [joint for joint in joints if isinstance(joint, Mapping)]
     ends = [joint.get(key) for joint in entries for key in ("a", "b")]
-    found = {end.get("rod", names[0] if names else "") for end in ends if isinstance(end, Mapping)}
+    found = [end.get("rod", names[0] if names else "") for end in ends if isinstance(end, Mapping)]
     return {name for name in found if isinstance(name, str)}
 
 
@@ -102,7 +102,8 @@ def _refuse_key(table: Table, key: str, what: str, why: str) -> None:
 
 def _read_end(table: Table, key: str, rods: Sequence[Rod]) -> Place | None:
     """Read a place { rod, at }, or the ground as None."""
-    if table.data.get(key) == GROUND:
+    if isinstance(table.data.get(key), str):
+        table.word(key, (GROUND,))
         return None
     end = table.table(key)
     end.expect_keys(("rod", "at"))

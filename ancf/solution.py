@@ -249,7 +249,7 @@ class Solution:
         return along_rod(rod, stress, at, part)
 
     def tangent(self) -> sparse.csr_array:
-        """Tangent dg/dq on the free unknowns [SI units], sparse."""
+        """Tangent dg/dq on the free unknowns [SI units], sparse; the multipliers of joints come last."""
         return self.model.supported_tangent(self.q, self.load_factor)
 
     def save(self, path: str | PathLike[str]) -> None:

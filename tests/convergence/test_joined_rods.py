@@ -147,9 +147,11 @@ def test_a_twisted_and_pushed_rod_buckles_where_greenhill_says():
 def test_twist_alone_keeps_a_held_rod_straight_and_stable():
     """Four turns: torque GJ phi/L, nothing aside, and no buckling at Greenhill's 8.99 EI/L.
 
-    Fibres stretch by (phi r/L)^2/2, so ends that are held apart meet a tension of the order of phi^2 EI/L^2,
-    whatever the slenderness: more than T^2/(4 EI) = phi^2 EI/L^2/(4 (1 + nu)^2), below which a straight rod
-    of any length is stable (Love, art. 272)."""
+    Ends held apart meet Poynting's tension, of the order of phi^2 EI/L^2 whatever the slenderness. By
+    `reference.section.twist` (its stretch without force) it is 0.538 of that for Saint Venant-Kirchhoff at
+    nu = 0.3, (1 - nu)/(1 + nu): more than T^2/(4 EI), below which a straight rod of any length is stable
+    (Love, art. 272).
+    """
     radius, phi = 0.001, 8 * math.pi
     EI = bending_stiffness(radius)
     scene = {"rod": [rod(elements=40, radius=radius, supports=[{}])], "joint": [ground(rotation=[phi, 0, 0])]}
@@ -157,5 +159,88 @@ def test_twist_alone_keeps_a_held_rod_straight_and_stable():
     carried = solution.joints[0]
     assert carried.moment[0] == pytest.approx(EI / (1 + NU) * phi, rel=2e-3)
     np.testing.assert_allclose(solution.nodes()[:, 1:], 0.0, atol=1e-12)
+    assert carried.force[0] == pytest.approx(0.538 * phi**2 * EI, rel=5e-3)
     assert carried.force[0] > carried.moment[0] ** 2 / (4 * EI)
     assert solution.stable
+
+
+def test_twist_alone_buckles_a_held_rod_of_rubber():
+    """Neo-Hookean: Poynting's force is -0.231 phi^2 EI/L^2 (`reference.section.twist`, nu = 0.3), a push."""
+    radius = 0.002
+    EI = bending_stiffness(radius)
+    rubber = rod(elements=16, radius=radius, element="3363")
+    rubber["material"]["law"] = "neo-hookean"
+    joints = [ground(0.0), ground(rotation=[3 * math.pi, 0, 0])]
+    solution = solved({"rod": [rubber], "joint": joints, "stability": {}})
+    assert solution.stability is not None and solution.model.joints is not None
+    assert solution.stability.negative_pivots > 0
+    first = solution.stability.critical_points[0]
+    joint, phi = solution.model.joints.models[1], 3 * math.pi * first.load_factor
+    force, moment = joint.forces(first.point.q[joint.dofs], first.load_factor)
+    N, T = force[0] / EI, moment[0] / EI
+    assert pytest.approx(-0.231 * phi**2, rel=5e-3) == N
+    nearest = min(np.linspace(0.98, 1.02, 401), key=lambda f: singular(f * N, f * T))
+    assert nearest == pytest.approx(1.0, abs=5e-3)
+
+
+def test_lees_frame_snaps_through():
+    """Right-angle frame on two hinges, force at a fifth of the beam: limit points at 18.552 and -9.4 EI/L^2.
+
+    Legs of 120 cm, section 3 x 2 cm, any stiffness (Lee, Manuel, Rossow 1968, J. Eng. Mech. Div.
+    94; Schweizerhof, Wriggers 1986, Comput. Methods Appl. Mech. Eng. 59). Shear adds (h/L)^2 = 3e-4.
+    Out of its plane the frame branches between them; a planar model does not see that.
+    """
+    leg = {
+        "length": 1.2, "elements": 12, "section": {"shape": "rectangle", "height_y": 0.02, "width_z": 0.03},
+        "material": {"young_modulus": 7.2e8, "poisson_ratio": 0.3},
+    }  # fmt: skip
+    column = {"name": "column", "base": {"x_axis": [0, 1, 0], "y_axis": [-1, 0, 0]}, **leg}
+    beam = {"name": "beam", "base": {"position": [0, 1.2, 0]}, **leg}
+
+    def place(name, at):
+        return {"rod": name, "at": at}
+
+    hinge = {"kind": "hinge", "axis": [0, 0, 1], "b": "ground"}
+    joints = [
+        {**hinge, "a": place("column", 0.0)},
+        {"kind": "rigid", "a": place("column", 1.0), "b": place("beam", 0.0)},
+        {**hinge, "a": place("beam", 1.0)},
+    ]
+    full, unit = 30.0, 7.2e8 * 0.03 * 0.02**3 / 12 / 1.2**2
+    scene = {
+        "rod": [column, beam], "joint": joints,
+        "force": [{"rod": "beam", "at": 0.2, "value": [0, -full * unit, 0]}],
+        "solver": {"method": "arclength"},
+    }  # fmt: skip
+    solution = solved(scene)
+    assert solution.stability is not None
+    limits = [c.load_factor * full for c in solution.stability.critical_points if c.kind == "limit"]
+    assert limits[0] == pytest.approx(18.552, rel=3e-3)
+    assert limits[1] == pytest.approx(-9.4, rel=1e-2)
+    assert len(limits) == 2 and solution.stable
+
+
+def test_a_right_angle_frame_of_a_strip_buckles_out_of_its_plane():
+    """Cantilever frame, in-plane force at the free end: 1.088 N (Argyris et al. 1979; Simo, Vu-Quoc 1986).
+
+    Legs of 240 mm, section 30 x 0.6 mm, E = 71.24 GPa, nu = 0.31. The section of 3333 does not warp:
+    `shear_factors` bring G (I_y + I_z) to the torsion constant 30 0.6^3/3 = 2.16 mm^4 of the strip.
+    """
+    factor = 2.16 / (30 * 0.6**3 / 12 + 0.6 * 30**3 / 12)
+    leg = {
+        "length": 0.24, "elements": 10, "shear_factors": [factor, factor],
+        "section": {"shape": "rectangle", "height_y": 0.030, "width_z": 0.0006},
+        "material": {"young_modulus": 71.24e9, "poisson_ratio": 0.31},
+    }  # fmt: skip
+    held = {"name": "held", "supports": [{"at": 0.0}], **leg}
+    free = {
+        "name": "free",
+        "base": {"position": [0.24, 0, 0], "x_axis": [0, -1, 0], "y_axis": [1, 0, 0]},
+        **leg,
+    }
+    joint = {"kind": "rigid", "a": {"rod": "held", "at": 1.0}, "b": {"rod": "free", "at": 0.0}}
+    force = {"rod": "free", "value": [2.0, 0, 0]}
+    solution = solved({"rod": [held, free], "joint": [joint], "force": [force], "stability": {}})
+    assert solution.stability is not None and solution.stability.buckling_factor is not None
+    assert 2.0 * solution.stability.buckling_factor == pytest.approx(1.088, rel=3e-3)
+    assert solution.stability.negative_pivots == 1

@@ -1,11 +1,14 @@
 # ruff: noqa: E501
 """Joints and moved sections: conditions, tangent, what they carry, and what a scene may not join."""
 
+import copy
 import json
 import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import ancf
 from ancf.joint_system import JointSystem, _odd
@@ -472,3 +475,23 @@ def test_what_holds_is_accepted():
     scene = ancf.scene_from_dict({"rod": three, "joint": joints})
     assert [r.supports for r in scene.rods] == [(), (), ()]
     assert scene.joints[3].a.rod == "c" and scene.joints[3].b is None
+
+
+JUNK = [None, 3, -1, 1e308, math.nan, "ground", "x", [], {}, [1], [0, 0, 0], [1e300] * 3, True, "1 m", {"rod": 3}, {"at": 1}, {"rod": "finger", "at": 0.5}, [{}], np.ones(3)]  # fmt: skip
+
+
+@given(data=st.data())
+@settings(deadline=None, max_examples=100)
+def test_a_spoilt_joint_is_read_or_refused(data):
+    """Any value in the place of a joint or of one of its keys; nothing but a SceneError may come of it."""
+    second = joint("hinge", ("finger", 1.0), axis=[0, 0, 1], displacement=[0, 0.1, 0])
+    scene = copy.deepcopy(scene_of(LINE, second))
+    table = data.draw(st.sampled_from([*scene["joint"], *(j["a"] for j in scene["joint"]), scene["joint"]]))
+    key = data.draw(st.sampled_from([*table] if isinstance(table, dict) else [0, 1]))
+    table[key] = copy.deepcopy(data.draw(st.sampled_from(JUNK)))
+    try:
+        scene = ancf.scene_from_dict(scene)
+    except ancf.SceneError as error:
+        assert error.message.advice
+    else:
+        assert len(scene.joints) == 2
