@@ -1,9 +1,9 @@
 """Newton iteration at one load factor: dimensionless step and residual, mixed-integration-point tangent.
 
 Converged means: last step <= tolerance (lengths by L, slopes by 1), or small and only noise of rounding, and
-residual <= max(tolerance, floor). The floor is what coordinates stored in float64 leave at the worst equation,
-eps sum_j |K_ij| |q_j|: about 10 eps n_el A L^2 / I for a rod of n_el elements, more near incompressibility.
-Nothing is divided by the load.
+residual <= max(tolerance, floor). The floor is what coordinates stored in float64 leave at the worst
+equation, eps sum_j |K_ij| |q_j|: about 10 eps n_el A L^2 / I for a rod of n_el elements, more near
+incompressibility. Nothing is divided by the load.
 
 With a `Border` the load factor is unknown too, and conditions on it and the coordinates come along.
 """
@@ -34,8 +34,8 @@ FALLING = 0.7
 FLOOR_FACTOR = 1.0
 # A step that would turn a section inside out is halved, at most to this share.
 SMALLEST_SHARE = 1.0 / 64.0
-# Near a critical point rounding of the residual moves a soft shape by more than the tolerance: a step so small
-# that no longer falls is noise, and the residual alone decides.
+# Near a critical point rounding of the residual moves a soft shape by more than the tolerance: a step so
+# small that no longer falls is noise, and the residual alone decides.
 NOISE_STEP, NOISE_RATIO = 1e-7, 0.1
 # Steps that stay below the tolerance while the residual does not fall: stuck above the floor.
 STAGNATION = 4

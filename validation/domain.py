@@ -61,6 +61,8 @@ def outside(domain: Iterable[Mapping[str, Any]], scene: Scene, solution: Solutio
     entries = {tuple(entry[key] for key in KEY): entry for entry in domain}
     known = regimes(solution) if solution is not None else [regime_of(rod, scene) for rod in scene.rods]
     reasons = [] if solution is None else _unfit(solution)
+    if scene.joints:
+        reasons.append("the rods are joined, and no case that passed has joints")
     for rod, here in zip(scene.rods, known, strict=True):
         if not here["known"]:
             reasons.append(f"rod {rod.name!r}: how hard these loads bend it is known only once it is solved")

@@ -21,7 +21,7 @@ from tests.property.test_scene_fuzz import mutated, read
 from validation.recheck import energy_error, work_error
 
 SECONDS = 5.0  # budget of a scene
-SLACK = 60.0  # what one step and the look at stability may take beyond it on a busy machine: a hang takes for ever
+SLACK = 60.0  # what one step may take beyond it on a busy machine: a hang takes for ever
 # Rubber's section rule is of degree 8: 3e-9 at kappa R = 0.3, more beyond (energy-integral in properties.py).
 ENERGY = 1e-5
 WORK = 1e-5

@@ -196,3 +196,15 @@ def test_loads_on_another_rod_do_not_count():
     here = regime_of(scene.rods[0], scene)
     assert (here["loads"], here["kappa_R"], here["places"]) == ([], 0.0, "none")
     assert loads_of(scene.rods[1], scene) == ["bending", "force", "line load"]
+
+
+def test_no_case_vouches_for_joints():
+    """Two rods that are joined lie outside, however gently they are loaded."""
+    rod = {
+        "length": 0.4, "elements": 24, "section": {"shape": "circle", "radius": 0.01},
+        "material": {"young_modulus": 1.0e6, "poisson_ratio": 0.3},
+    }  # fmt: skip
+    second = {**rod, "name": "second", "base": {"position": [0.4, 0.0, 0.0]}}
+    joint = {"kind": "rigid", "a": {"rod": "rod", "at": 1.0}, "b": {"rod": "second", "at": 0.0}}
+    joined = ancf.scene_from_dict({"rod": [rod, second], "joint": [joint]})
+    assert any("joined" in reason for reason in outside(domain({}), joined))
