@@ -204,10 +204,26 @@ def _report(console: Console, path: Path, solution: Solution, result: dict[str, 
             f" residual {result['residual']:.2g}, {result['unknowns']} unknowns,"
             f" {result['seconds']['total']:.3f} s"
         )
+        if "stability" in result:
+            console.print(_stability_text(result["stability"]))
     for warning in result["warnings"]:
         print(f"warning: {path}: {warning}", file=sys.stderr)
     if solution.message is not None:
         print(f"{path}: {solution.message}", file=sys.stderr)
+
+
+def _stability_text(stability: dict[str, Any]) -> str:
+    """What is known of the stability, in a line."""
+    count = stability["negative_pivots"]
+    parts = ["stable" if count == 0 else f"unstable: {count} negative eigenvalue{'s' * (count > 1)}"]
+    if stability["note"]:
+        parts = [f"{count} negative eigenvalue{'s' * (count != 1)} known", stability["note"]]
+    met = [
+        f"{point['kind']} at {point['load_factor']:.5g}"
+        + (f" ({point['multiplicity']} modes)" if point["multiplicity"] > 1 else "")
+        for point in stability["critical_points"]
+    ]
+    return "; ".join([*parts, *(["critical points by load factor: " + ", ".join(met)] if met else [])])
 
 
 def _heading(path: Path, solution: Solution) -> str:

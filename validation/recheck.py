@@ -103,9 +103,7 @@ def _work_of_loads(here: Solution, ahead: Solution, behind: Solution) -> float:
     scene = here.scene
     work = 0.0
     for load in scene.forces:
-        y, z = load.offset
-        way = ahead.displaced(load.rod, load.at, y, z) - behind.displaced(load.rod, load.at, y, z)
-        work += float(_present(here, load) @ way)
+        work += float(_present(here, load) @ (_place(ahead, load) - _place(behind, load)))
     for load in scene.moments:
         turn = log(ahead.pose(load.rod, load.at).rotation @ behind.pose(load.rod, load.at).rotation.T)
         work += float(_present(here, load) @ turn)
@@ -126,6 +124,23 @@ def _work_of_loads(here: Solution, ahead: Solution, behind: Solution) -> float:
         if scene.gravity is not None:
             work += float(_weight(rod, ahead, behind) @ scene.gravity.acceleration)
     return here.load_factor * work
+
+
+def _place(solution: Solution, load: Force) -> Floats:
+    """Where a point force acts (3,): its point, or on a quadratic section the mean under its affine traction.
+
+    Traction (1/A + y y_0/I_z + z z_0/I_y) F has the resultant F at (y_0, z_0); the matrix of second moments is
+    inverted where it is not diagonal.
+    """
+    rod = next(rod for rod in solution.model.rods if rod.rod.name == load.rod)
+    y_0, z_0 = load.offset
+    if not rod.element.quadratic_section:
+        return solution.displaced(load.rod, load.at, y_0, z_0)
+    y, z, area = rod.rod.section_at(load.at).quadrature(SECTION_DEGREE)
+    points = np.column_stack([y, z])
+    slopes = np.linalg.solve(points.T @ (area[:, None] * points), np.array([y_0, z_0]))
+    traction = area * (1.0 / area.sum() + points @ slopes)
+    return traction @ solution.displaced(load.rod, load.at, y, z)
 
 
 def _present(here: Solution, load: Force | Moment) -> Floats:

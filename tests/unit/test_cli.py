@@ -295,3 +295,11 @@ def test_help_loads_nothing_heavy():
         "found = heavy & set(sys.modules)\nassert not found, found\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, stdout=subprocess.DEVNULL)
+
+
+def test_solve_tells_people_of_stability(capsys: pytest.CaptureFixture[str]):
+    """The column of the examples: 4.1 mN against (pi^2/4) E I/L^2 = 3.1006 mN, less 0.02 % for shear."""
+    assert main(["solve", str(EXAMPLES / "buckled-column.toml")]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "stable; critical points by load factor: bifurcation at 0.756" in told
+    assert "(2 modes)" in told

@@ -206,5 +206,6 @@ def test_no_case_vouches_for_joints():
     }  # fmt: skip
     second = {**rod, "name": "second", "base": {"position": [0.4, 0.0, 0.0]}}
     joint = {"kind": "rigid", "a": {"rod": "rod", "at": 1.0}, "b": {"rod": "second", "at": 0.0}}
-    joined = ancf.scene_from_dict({"rod": [rod, second], "joint": [joint]})
+    held = {**rod, "supports": [{"at": 0.0}]}  # a joint takes the default clamp away
+    joined = ancf.scene_from_dict({"rod": [held, second], "joint": [joint]})
     assert any("joined" in reason for reason in outside(domain({}), joined))
