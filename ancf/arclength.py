@@ -18,12 +18,12 @@ Element Methods, 2008, ch. 5.)
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import Factors
+from ancf.band import Factors, SingularMatrixError
 from ancf.failure import is_collapsed
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
@@ -139,7 +139,7 @@ def path_from_reference(model: Model, deadline: float = np.inf) -> Follower:
         raise OverflowError("the loads overflow")
     metric = Metric(model, max(float(size), LEAST_LOAD_WEIGHT))
     path = Follower(metric, Spectrum(model), deadline)
-    path.begin(model.q0, 0.0, metric.unit(rate, 1.0), 0)
+    path.begin(PathPoint(0.0, 0.0, model.q0, 0, (rate, 1.0)), metric.unit(rate, 1.0))
     return path
 
 
@@ -167,10 +167,10 @@ class Follower:
         """Motions (k, n) that may not change."""
         return None if self.held is None else self.held.motions
 
-    def begin(self, q: Floats, load_factor: float, direction: Direction, negative: int) -> None:
+    def begin(self, point: PathPoint, direction: Direction) -> None:
         """First point: an equilibrium, and where to go from it."""
-        self.points.append(PathPoint(0.0, load_factor, q, negative, direction))
-        self._path = Path(self.model, q)
+        self.points.append(replace(point, tangent=direction))
+        self._path = Path(self.model, point.q, point.arc)
 
     def enter(self, mode: Floats, size: float) -> PathPoint | None:
         """The point of another branch at a distance `size` along a mode of the first point."""
@@ -188,6 +188,9 @@ class Follower:
         """The next point of the path; None when no step succeeds, and `failure` says why."""
         last = self.points[-1]
         longest = self._longest(last)
+        if not np.isfinite(longest):
+            self.failure = NewtonResult(Outcome.NOT_FINITE, last.q, last.load_factor, np.inf)
+            return None
         self.step = min(self.step, longest)
         while self.step >= SHORTEST_STEP * longest:
             if time.perf_counter() > self.deadline:
@@ -251,7 +254,7 @@ class Follower:
             return None
         dq, dl = result.q - last.q, result.load_factor - last.load_factor
         chord = self.metric.unit(dq, dl)
-        if self.metric.dot(chord, before) < SAME_WAY:
+        if not self.metric.dot(chord, before) >= SAME_WAY:
             result.outcome = Outcome.OFF_PATH
             return None
         assert result.lu is not None and result.flat is not None
@@ -304,6 +307,12 @@ class Follower:
     def _negative(self, lu: Factors, flat: Floats, q: Floats, load_factor: float) -> int:
         if not self.model.conservative:
             return int(lu.determinant_sign < 0)
+        try:
+            return self._negative_eigenvalues(flat, q, load_factor)
+        except SingularMatrixError:  # at a critical point itself: as before it
+            return self.points[-1].negative
+
+    def _negative_eigenvalues(self, flat: Floats, q: Floats, load_factor: float) -> int:
         if self.held is None:
             return self.model.system.negative_eigenvalues(flat)
         # Along the held motions the tangent is singular; across them its eigenvalues are counted one by one.

@@ -216,8 +216,10 @@ def _stability_text(stability: dict[str, Any]) -> str:
     """What is known of the stability, in a line."""
     count = stability["negative_pivots"]
     parts = ["stable" if count == 0 else f"unstable: {count} negative eigenvalue{'s' * (count > 1)}"]
+    if "no potential" in stability["note"]:
+        parts = [f"{count} negative eigenvalue{'s' * (count != 1)} known"]
     if stability["note"]:
-        parts = [f"{count} negative eigenvalue{'s' * (count != 1)} known", stability["note"]]
+        parts.append(stability["note"])
     met = [
         f"{point['kind']} at {point['load_factor']:.5g}"
         + (f" ({point['multiplicity']} modes)" if point["multiplicity"] > 1 else "")

@@ -24,9 +24,10 @@ Floats = NDArray[np.float64]
 class Followed:
     """A path and what was met on it.
 
-    reached: whether its last point has the load factor asked for; turned_off: whether it left the primary
-    branch; failure: the Newton iteration that ended it; out_of_steps: its budget did; too_coarse: elements
-    that turn or are pressed too much did, beyond which a critical point would be one of the mesh.
+    reached: whether its last point has the load factor asked for; tried_branch, turned_off: whether a
+    bifurcation was met where the other branch is wanted, and whether that was entered; failure: the Newton
+    iteration that ended it; out_of_steps: its budget did; too_coarse: elements came to turn or to be pressed
+    so much that a critical point would be one of the mesh.
     """
 
     points: list[PathPoint] = field(default_factory=list)
@@ -35,6 +36,7 @@ class Followed:
     steps: int = 0
     cutbacks: int = 0
     reached: bool = False
+    tried_branch: bool = False
     turned_off: bool = False
     out_of_steps: bool = False
     too_coarse: bool = False
@@ -44,6 +46,10 @@ class Followed:
     def limit_point(self) -> CriticalPoint | None:
         """The first limit point of the load factor."""
         return next((c for c in self.critical if c.kind == "limit"), None)
+
+
+def _between(a: float, value: float, b: float) -> bool:
+    return a != b and min(a, b) <= value <= max(a, b)
 
 
 def follow(
@@ -83,36 +89,36 @@ def follow(
         if point is None:
             found.failure = path.failure
             break
-        crossed = (before.load_factor - to) * (
-            point.load_factor - to
-        ) <= 0.0 and point.load_factor != before.load_factor
+        crossed = _between(before.load_factor, to, point.load_factor)
         if crossed:
             point = path.at_load(to)
             if point is None:  # a limit point lies close by: come nearer
                 path.retreat()
                 continue
         found.steps += 1
-        if first_critical and (
-            largest_turn(model, point.q) > LARGEST_TURN or largest_wave(model, point.q) > LARGEST_WAVE
-        ):
-            found.too_coarse = True
+        if largest_turn(model, point.q) > LARGEST_TURN or largest_wave(model, point.q) > LARGEST_WAVE:
+            found.too_coarse = True  # critical points from here on would be those of the mesh
+        if found.too_coarse and first_critical:
             break
-        met = list(critical_points(path))
-        found.critical += met
-        found.points += [c.point for c in met] + [point]
-        if first_critical and met:
-            break
-        bifurcation = next((c for c in met if c.kind == "bifurcation"), None)
-        if buckled and not found.turned_off and bifurcation is not None:
-            branch = turn_off(path, bifurcation)
+        met = [] if found.too_coarse else list(critical_points(path))
+        first = next((c for c in met if c.kind == "bifurcation"), None)
+        if buckled and not found.tried_branch and first is not None:
+            found.tried_branch = True
+            met = met[: met.index(first) + 1]
+            branch = turn_off(path, first)
             if branch is not None:
-                found.points = [p for p in found.points if p is not point]
-                found.points.append(branch.points[-1])
                 found.turned_off = True
                 found.history += path.history
                 found.cutbacks += path.cutbacks
-                path = branch
-                continue
+                path, point = branch, branch.points[-1]
+                crossed = _between(first.load_factor, to, point.load_factor)
+                if crossed:
+                    point = path.at_load(to) or point
+                    crossed = point.load_factor == to
+        found.critical += met
+        found.points += [*(c.point for c in met), point]
+        if first_critical and met:
+            break
         if crossed:
             found.reached = True
             break

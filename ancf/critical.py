@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.arclength import Follower, Held, PathPoint
+from ancf.band import SingularMatrixError
 
 Floats = NDArray[np.float64]
 
@@ -49,10 +50,15 @@ def critical_points(path: Follower) -> Iterator[CriticalPoint]:
     found: list[CriticalPoint] = []
     met: set[int] = set()
     for index in range(low, high) if a.negative <= b.negative else range(high - 1, low - 1, -1):
-        point = None if index in met else _locate(path, index)
-        if point is not None:
+        try:
+            point = None if index in met else _locate(path, index)
+            if point is None:
+                continue
             critical, alike = _classified(path, point, index, high)
-            met |= alike
+        except SingularMatrixError:  # no eigenvalues there: the point stays unknown
+            continue
+        met |= alike
+        if np.isfinite(critical.modes).all():
             found.append(critical)
     yield from sorted(found, key=lambda c: c.point.arc)
 
@@ -143,7 +149,7 @@ def turn_off(path: Follower, critical: CriticalPoint) -> Follower | None:
     held = Held(critical.modes[1:], point.q) if len(critical.modes) > 1 else None
     for size in TURN_OFF:
         branch = Follower(path.metric, path.spectrum, path.deadline, held)
-        branch.begin(point.q, point.load_factor, (mode, 0.0), point.negative)
+        branch.begin(point, (mode, 0.0))
         found = branch.enter(mode, size)
         path.history += branch.history
         if found is not None:

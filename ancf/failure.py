@@ -104,13 +104,17 @@ def explain(model: Model, trace: Trace) -> Message:
         if trace.status is Status.LIMIT_POINT and trace.followed is not None:
             peak = trace.followed.limit_point
             assert peak is not None
-            cause = f"the load factor turns back at a limit point, {peak.load_factor:.4g}, and stays below 1"
+            cause = (
+                f"the load factor turns back at a limit point, {peak.load_factor:.4g}, and has not come to 1"
+            )
         return Message(what, where, value, cause, "raise `max_steps`, or apply less load")
     assert failed is not None  # a search ends by success, by its budgets, or by a failed step
     name, node = _owner(model, failed.worst_dof)
     where += f", rod {name!r}, node {node}"
     tried = f"{len(failed.history)} iterations and {trace.cutbacks} cut-backs"
     value = f"residual {failed.residual:.2e} > {max(options.tolerance, failed.floor):.1e} after {tried}"
+    if failed.outcome is Outcome.OFF_PATH:
+        value = f"after {tried} the next equilibrium found lies elsewhere, or a joint is half a turn off"
     if not np.isfinite(failed.residual):
         value = f"residual not finite after {tried}"
     cause, advice = _CAUSES.get(failed.outcome, ("", ""))

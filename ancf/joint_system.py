@@ -33,7 +33,7 @@ from ancf.band import BandPattern, Factors, SingularMatrixError, factorise
 from ancf.counters import Counters
 from ancf.joints import Joints
 from ancf.linear_system import LinearSystem
-from ancf.spectrum import negative_eigenvalues
+from ancf.spectrum import named_failure, negative_eigenvalues
 from ancf.supports import NodeSupport
 
 Floats = NDArray[np.float64]
@@ -217,6 +217,7 @@ class JointSystem(LinearSystem):
         with self.counters.solving():
             return self.negative_eigenvalues(flat) == 0
 
+    @named_failure()
     def negative_eigenvalues(self, flat: Floats) -> int:
         """Number of negative eigenvalues on the motions that supports and joints allow."""
         # Rods of different stiffness have different units: one for all makes the matrix symmetric.

@@ -146,7 +146,16 @@ class Model:
 
     @np.errstate(over="ignore", invalid="ignore")  # a load may overflow; the solver reports it as not_finite
     def residual(self, q: Floats, load_factor: float = 1.0) -> Residual:
-        """Generalised forces at q (n,); prescribed motions are as far as at the load factor."""
+        """Generalised forces at q (n,); prescribed motions are as far as at the load factor.
+
+        Not finite where a section has collapsed to a line, whose rotation is undefined.
+        """
+        try:
+            return self._residual(q, load_factor)
+        except np.linalg.LinAlgError:
+            return Residual(np.full(self.n, np.nan), np.full(self.n, np.nan))
+
+    def _residual(self, q: Floats, load_factor: float) -> Residual:
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         with self.counters.effect("elastic"):
             for rod in self.rods:

@@ -19,10 +19,10 @@ _RATE_ANGLE = 1e-5
 class Path:
     """The last equilibria of a path by load factor or arc, for extrapolating the next start."""
 
-    def __init__(self, model: Model, q: Floats) -> None:
+    def __init__(self, model: Model, q: Floats, at: float = 0.0) -> None:
         self.model = model
         self.points: list[tuple[float, list[LocalShape], Floats]] = []
-        self.add(0.0, q)
+        self.add(at, q)
 
     def add(self, at: float, q: Floats) -> None:
         """Append an equilibrium; only the last four are kept."""

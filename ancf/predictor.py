@@ -37,7 +37,7 @@ LARGEST_TURN = 1e3
 STRAINS = (-0.2, 1.0)
 
 
-def load_start(model: Model) -> Floats | None:
+def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
     """Coordinates (n,) near the equilibrium under all loads; None where no rod has such a start.
 
     Known for rods held by one clamp (or free-section clamp): from their point moments alone in closed form,
@@ -57,7 +57,7 @@ def load_start(model: Model) -> Floats | None:
         if loads.forces or (moments and frames is None):
             chain = _chain(rod)
             starts = [chain.R_0] if frames is None else [chain.R_0, frames]
-            shapes = (chain.equilibrium(loads, R) for R in starts)
+            shapes = (chain.equilibrium(loads, R, deadline) for R in starts)
             shape = next((shape for shape in shapes if shape is not None), None)
             if shape is not None:
                 frames, axial_force = shape

@@ -25,6 +25,7 @@ F, M         force and moment (m + 1, 3) on the nodes
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -140,7 +141,9 @@ class Chain:
     held: int
     unit: float
 
-    def equilibrium(self, loads: NodalLoads, start: Floats) -> tuple[Floats, Floats] | None:
+    def equilibrium(
+        self, loads: NodalLoads, start: Floats, deadline: float = np.inf
+    ) -> tuple[Floats, Floats] | None:
         """Frames (m + 1, 3, 3) and axial forces (m,) [N] by Newton from the frames `start`; None: none found.
 
         Steps go downhill: the tangent is shifted until a step does positive work, by the trapezoidal rule
@@ -152,6 +155,8 @@ class Chain:
         # Relative to the load as well: on a column, the smallest push aside decides where it buckles.
         close = CLOSE * min(first, self.unit) if first > NOTHING * self.unit else first
         for _ in range(MOST_DOWNHILL if loads.dead_forces_only else MAX_ITERATIONS):
+            if time.perf_counter() > deadline:
+                return None
             if _size(g) <= close:
                 chord, n = parts[2], parts[3]
                 return R, np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)

@@ -122,6 +122,14 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
     for entry, rod in zip(entries, rods, strict=True):
         _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
+    if scene.joints and scene.solver.tangent == "finite-difference":
+        table.refuse(
+            "solver.tangent",
+            "Joints have no finite-difference tangent.",
+            'tangent = "finite-difference" with [[joint]]',
+            "the paper's tangent is for rods; joints know their exact one only",
+            'write tangent = "analytic", or leave the key away',
+        )
     return scene
 
 

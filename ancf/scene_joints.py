@@ -80,6 +80,10 @@ def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
                 _refuse_key(table, key, "joint of two rods", "a section is moved against the ground")
     elif kind == "ball" and "rotation" in table.data:
         _refuse_key(table, "rotation", kind, "a ball leaves all rotations free")
+    elif kind == "hinge":
+        rotation = table.vector("rotation", 3, NUMBER, (0.0, 0.0, 0.0), SIGNED)
+        if abs(rotation @ axis) > 1e-9 * np.linalg.norm(rotation):
+            _refuse_key(table, "rotation", "hinge about that axis", "a hinge leaves it free")
     return Joint(
         kind,
         a,

@@ -36,7 +36,8 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     Parameters
     ----------
     scene : validated records, from `load_scene` or `scene_from_dict`
-    start : nodal coordinates (n,) [SI] to begin from, as kept in `Solution.q`; None begins as the scene says
+    start : nodal coordinates (n,) [SI] to begin from, as kept in `Solution.q`; None begins as the scene says.
+        Paths (arc length, the buckled branch) begin at the reference
 
     Returns
     -------
@@ -57,12 +58,10 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     counters = model.counters
     stability = None
     if scene.stability is not None or trace.followed is not None:
-        from ancf.scene import StabilityOptions
         from ancf.stability import examine
 
-        options = scene.stability or StabilityOptions()
         deadline = started + scene.solver.max_seconds
-        stability = examine(model, trace.q, trace.load_factor, trace.followed, options.modes, deadline)
+        stability = examine(model, trace.q, trace.load_factor, trace.followed, deadline)
     total = time.perf_counter() - started
     message = None if trace.status is Status.CONVERGED else explain(model, trace)
     return Solution(

@@ -17,6 +17,8 @@ as it is across held motions.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +28,7 @@ from scipy import sparse
 from scipy.linalg import eig, eig_banded, eigh
 from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
-from ancf.band import BandPattern
+from ancf.band import BandPattern, SingularMatrixError
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -39,8 +41,21 @@ TINY = 60  # unknowns up to which dense matrices serve where they are not symmet
 SMALL = 600  # unknowns up to which direct solvers are faster than Lanczos
 
 
+@contextmanager
+def named_failure() -> Iterator[None]:
+    """Turn every way in which LAPACK, SuperLU and ARPACK give up into `SingularMatrixError`."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, RuntimeError, ValueError) as error:
+        raise SingularMatrixError(str(error)) from error
+
+
+@named_failure()
 def negative_eigenvalues(pattern: BandPattern, flat: Floats) -> int:
-    """Number of negative eigenvalues of a symmetric matrix in flat band storage; cost O(n b^2)."""
+    """Number of negative eigenvalues of a symmetric matrix in flat band storage; cost O(n b^2).
+
+    Raises `SingularMatrixError` where a block is singular.
+    """
     n, b = pattern.n, max(pattern.b, 1)
     # Lower triangle by rows of blocks: the matrix is block tridiagonal in blocks of the half bandwidth.
     rows = np.arange(b)
@@ -124,16 +139,16 @@ class Spectrum:
         return S, np.linalg.qr((K[n:, :n] @ D).toarray().T)[0]
 
     def with_multipliers(self, q: Floats, load_factor: float, modes: Floats) -> Floats:
-        """Modes (k, n) [SI] with the changes of the joints' multipliers that go with them.
+        """Left modes (k, n) [SI] with the changes of the joints' multipliers that go with them.
 
-        K dq + C^T dlambda vanishes for a mode of eigenvalue zero, in the least squares that it is not.
+        K^T dq + C^T dlambda vanishes for one of eigenvalue zero, in the least squares that it is not.
         """
         if self.model.joints is None:
             return modes
         K: Any = self.model.supported_tangent(q, load_factor)
         n, full = self.size, modes.copy()
         scale = self._D[:, None]
-        right = -(K[:n, :n] @ (self._B.T @ modes.T)) * scale
+        right = -(K[:n, :n].T @ (self._B.T @ modes.T)) * scale
         full[:, self.model.motions :] = np.linalg.lstsq(scale * K[:n, n:].toarray(), right, rcond=None)[0].T
         return full
 
@@ -147,12 +162,13 @@ class Spectrum:
         """Number of eigenvalues."""
         return len(self._D)
 
+    @named_failure()
     def lowest(
         self, q: Floats, load_factor: float, count: int, held: Floats | None = None
     ) -> tuple[Floats, Floats]:
         """Lowest eigenvalues (k,), rising, and modes (n, k) [SI], across motions held (h, n) [SI].
 
-        For scenes whose loads have a potential.
+        For scenes whose loads have a potential. Raises `SingularMatrixError` where they cannot be found.
         """
         S, basis = self._matrix_and_rows(q, load_factor)
         S = 0.5 * (S + S.T)
@@ -170,16 +186,23 @@ class Spectrum:
         else:
             # Around zero: all that matter here, a few negative ones and the softest positive ones.
             lanczos: Any = eigsh  # returns pairs here, which its signature does not say
-            near, most = _inverse_across(S, basis), min(count + EXTRA, n - 1)
+            # The lowest of all are among them if all negative ones are.
+            below = 0 if basis.size else self._negative(q, load_factor)
+            near, most = _inverse_across(S, basis), min(below + count + EXTRA, n - 1)
             values, modes = lanczos(S, k=most, sigma=0.0, OPinv=near, v0=near @ np.ones(n))
             order = np.argsort(values)[:count]
             f, phi = values[order], modes[:, order]
         return f, self.motion(phi)
 
+    def _negative(self, q: Floats, load_factor: float) -> int:
+        _, flat = self.model.residual_and_tangent(q, load_factor)
+        return self.model.system.negative_eigenvalues(flat)
+
     def negative_across(self, q: Floats, load_factor: float, held: Floats) -> int:
         """Number of negative eigenvalues across held motions (h, n), up to `EXTRA`."""
         return int(np.count_nonzero(self.lowest(q, load_factor, EXTRA, held)[0] < 0.0))
 
+    @named_failure()
     def nearest_zero(self, q: Floats, load_factor: float, left: bool = False) -> tuple[float, Floats]:
         """Real eigenvalue of smallest magnitude and its mode, or left mode, (n,) [SI]; of any scene."""
         (S, rows), n = self._matrix_and_rows(q, load_factor), self.size

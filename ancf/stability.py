@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ancf.band import SingularMatrixError
 from ancf.continuation import Followed, follow
 from ancf.critical import CriticalPoint
+from ancf.scene import StabilityOptions
 from ancf.spectrum import Spectrum
 
 if TYPE_CHECKING:
@@ -74,44 +75,67 @@ class Stability:
 
 
 def examine(
-    model: Model, q: Floats, load_factor: float, followed: Followed | None, modes: int, deadline: float
+    model: Model, q: Floats, load_factor: float, followed: Followed | None, deadline: float
 ) -> Stability:
-    """Examine the solution q (n,).
+    """Examine the solution q (n,); for `[stability]` look for a critical load where the path met none.
 
     Parameters
     ----------
-    followed : the path to the solution; None: it is followed here to its first critical point
-    modes : number of modes wanted
-    deadline : value of time.perf_counter()
+    followed : the path to the solution; None: load steps led there
+    deadline : value of time.perf_counter(), at which the look ahead ends
     """
-    _, flat = model.residual_and_tangent(q, load_factor)
-    spectrum, notes = Spectrum(model), []
-    if model.conservative:
-        # On a branch that leads any way (a round column) one eigenvalue is zero: the path did not count it.
-        if followed is not None and followed.points[-1].q is q:
-            pivots = followed.points[-1].negative
-        else:
-            pivots = model.system.negative_eigenvalues(flat)
-    else:
-        notes.append(NO_POTENTIAL)
-        try:
-            pivots = int(model.system.factorise(flat).determinant_sign < 0)
-        except SingularMatrixError:
-            pivots = 0
+    options, notes = model.scene.stability, []
+    pivots = _negative(model, q, load_factor, followed, notes)
     critical = [] if followed is None else followed.critical
+    if followed is not None:
+        notes += _about_branch(model, followed)
     if not np.any(model.residual(model.q0).Q_ext):
         notes.append("there is no load")
-    elif not critical:
+    elif not critical and options is not None:
         ahead = follow(model, FARTHEST, model.scene.solver.max_steps, deadline, first_critical=True)
         critical = ahead.critical[:1]
         if not critical:
             notes.append(_why_none(ahead))
-    factor = critical[0].load_factor if critical else None
     if critical:
         q, load_factor = critical[0].point.q, critical[0].load_factor
-    return Stability(
-        pivots, factor, _modes(model, spectrum, q, load_factor, modes), critical, "; ".join(notes)
-    )
+    modes = []
+    try:
+        modes = _modes(model, q, load_factor, (options or StabilityOptions()).modes)
+    except SingularMatrixError as error:
+        notes.append(f"no modes: {error}")
+    factor = critical[0].load_factor if critical else None
+    return Stability(pivots, factor, modes, critical, "; ".join(notes))
+
+
+def _negative(
+    model: Model, q: Floats, load_factor: float, followed: Followed | None, notes: list[str]
+) -> int:
+    """Negative eigenvalues at the solution; what is not known is noted."""
+    # On a branch that leads any way (a round column) one eigenvalue is zero: the path did not count it.
+    if model.conservative and followed is not None and followed.points[-1].q is q:
+        return followed.points[-1].negative
+    try:
+        _, flat = model.residual_and_tangent(q, load_factor)
+        if model.conservative:
+            return model.system.negative_eigenvalues(flat)
+        notes.append(NO_POTENTIAL)
+        return int(model.system.factorise(flat).determinant_sign < 0)
+    except (SingularMatrixError, np.linalg.LinAlgError):
+        notes.append("the tangent is singular at the solution")
+        return 0
+
+
+def _about_branch(model: Model, followed: Followed) -> list[str]:
+    """What became of the wish for the buckled branch, and of critical points that the mesh would make."""
+    found = []
+    if model.scene.stability is not None and model.scene.stability.branch == "buckled":
+        if not followed.tried_branch:
+            found.append("no bifurcation was met before the loads: this is the primary branch")
+        elif not followed.turned_off:
+            found.append("the buckled branch could not be entered: this is the primary branch")
+    if followed.too_coarse:
+        found.append("from where elements turn or are pressed too much no critical points were looked for")
+    return found
 
 
 def _why_none(ahead: Followed) -> str:
@@ -126,7 +150,8 @@ def _why_none(ahead: Followed) -> str:
     return f"no critical load was found up to {last:.3g} times the loads, where the path ends ({reason})"
 
 
-def _modes(model: Model, spectrum: Spectrum, q: Floats, load_factor: float, count: int) -> list[Mode]:
+def _modes(model: Model, q: Floats, load_factor: float, count: int) -> list[Mode]:
+    spectrum = Spectrum(model)
     if model.conservative:
         f, phi = spectrum.lowest(q, load_factor, count)
         return [Mode(float(value), _shape(model, mode)) for value, mode in zip(f, phi.T, strict=True)]

@@ -1,6 +1,6 @@
 """Load steps: predictor, Newton, growth and cut-back, and a typed reason when no equilibrium is found.
 
-The full load is tried first from the moment predictor, or from the reference when there is none. If that
+The full load is tried first from the predictor, or from the reference when there is none. If that
 fails the load grows in steps: each start is extrapolated in local measures (rod_shape.py), a failed step is
 cut, quick steps grow. Nothing goes on from a failed step: the path continues from the last equilibrium.
 """
@@ -66,14 +66,14 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     options = model.scene.solver
     deadline = time.perf_counter() + options.max_seconds
     trace = Trace(Status.NOT_CONVERGED, model.q0)
-    if start is not None and _try_at_once(model, trace, start, deadline):
-        return trace
     stability = model.scene.stability
     if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
-        return _follow(model, trace, deadline)
+        return _follow(model, trace, deadline)  # a path begins at the reference, whatever the start
+    if start is not None and _try_at_once(model, trace, start, deadline):
+        return trace
     # A prescribed motion is walked: at once it would lead anywhere.
     if options.predictor == "auto" and model.longest_step >= 1.0:
-        bent = load_start(model)
+        bent = load_start(model, deadline)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
             _try_at_once(model, trace, model.q0 if bent is None else bent, deadline)
@@ -121,7 +121,10 @@ def _is_stable(model: Model, result: NewtonResult) -> bool | None:
     if not result.converged or result.lu is None or result.flat is None:
         return None
     if model.conservative:
-        return model.system.is_positive_definite(result.flat)
+        try:
+            return model.system.is_positive_definite(result.flat)
+        except ArithmeticError:  # on a critical point itself
+            return None
     return False if result.lu.determinant_sign < 0 else None
 
 
@@ -156,6 +159,7 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
     if trace.load_factor == 1.0:  # an unstable equilibrium was found at once: forget it
         trace.q, trace.load_factor, trace.stable, trace.status = model.q0, 0.0, None, Status.NOT_CONVERGED
         trace.steps, trace.cutbacks = 0, trace.cutbacks + 1
+        trace.residual, trace.floor, trace.failure = 0.0, 0.0, None
     path = Path(model, model.q0)
     step = _first_step(model)
     while trace.load_factor < 1.0:

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 POINTS = 24
 STEP = 1e-10  # of the radius: Newton's method then has converged quadratically to rounding
+ROUNDING = 20 * float(np.finfo(float).eps)
 RESIDUAL = 1e-6  # of the stress scale, before that last step
 MAX_ITERATIONS = 40
 
@@ -122,7 +123,10 @@ def torsion_compressible(
 def _newton(residual: Callable[[Field], Field], start: Array, law: InvariantLaw, length: float) -> Array:
     """Zero of `residual` [Pa/m] with the exact Jacobian by complex steps."""
     n = len(start)
-    scale = float(np.abs(law.tangent(np.eye(3))).max()) / length
+    A = law.tangent(np.eye(3))
+    scale = float(np.abs(A).max()) / length
+    # Near incompressibility rounding of the pressure moves the radius by eps times the ratio of the moduli.
+    quiet = max(STEP, ROUNDING * float(np.abs(A).max() / A[0, 1, 0, 1]))
     r = start
     with np.errstate(all="ignore"):  # a radius without meaning is found below
         for _ in range(MAX_ITERATIONS):
@@ -135,7 +139,7 @@ def _newton(residual: Callable[[Field], Field], start: Array, law: InvariantLaw,
             except np.linalg.LinAlgError:
                 break
             r = r + dr
-            if np.abs(dr).max() < STEP * np.abs(r).max() and np.abs(right).max() < RESIDUAL * scale:
+            if np.abs(dr).max() < quiet * np.abs(r).max() and np.abs(right).max() < RESIDUAL * scale:
                 return r
     raise ValueError("the radius of the bent or twisted rubber was not found; try a smaller deformation.")
 

@@ -39,6 +39,7 @@ class HardCase:
     start : coordinates (n,) to begin from
     stable : whether the answer must be stable; None: it may be unstable if the result warns of it
     walk : ``quick`` or ``full``: in which run the load is also applied in a hundred steps
+    drifts : ``quick`` or ``full``: in which run it is described otherwise; a followed path takes seconds
     budget : s
     not_asked : quantity -> why it says nothing about this scene
     """
@@ -54,6 +55,7 @@ class HardCase:
     start: Callable[[Model], Floats] | None = None
     stable: bool | None = None
     walk: str = "full"
+    drifts: str = "quick"
     budget: float = BUDGET
     not_asked: Mapping[str, str] = field(default_factory=dict)
 

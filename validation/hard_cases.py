@@ -133,7 +133,8 @@ def measure(case: HardCase, solution: Solution, full: bool) -> tuple[dict[str, f
             found[name] = order
     found["condition number"] = hard_measures.condition_number(hard_measures.dimensionless_tangent(solution))
     found["min det F"] = hard_measures.smallest_volume_ratio(solution)
-    _drifts(case, solution, found, notes, full)
+    if full or case.drifts == "quick":
+        _drifts(case, solution, found, notes, full)
     if full or case.walk == "quick":
         _walk(case, solution, found, notes)
     kept = {name: value for name, value in found.items() if name not in case.not_asked}
@@ -155,7 +156,8 @@ def _drifts(
 
     for name, change in VARIANTS.items():
         found[f"drift, {name}"] = against(f"drift, {name}", change(case.scene))
-    one, two = (hard_threads.shapes_with(n).get(case.name) for n in (1, 2))
+    names = () if case.drifts == "quick" else ((case.name,),)
+    one, two = (hard_threads.shapes_with(n, *names).get(case.name) for n in (1, 2))
     found["drift, threads"] = math.nan if one is None or two is None else drift(one, two, lengths)
     if not full:
         return

@@ -126,7 +126,14 @@ def hard_limits(case: HardCase, full: bool = True) -> tuple[Limit, ...]:
     """
     if not case.solvable:
         return ()
-    asked = [m for m in MEASURES if full or m.quick or (m.name in WALKED and case.walk == "quick")]
+    costly = case.drifts == "full"
+    asked = [
+        m
+        for m in MEASURES
+        if full
+        or (m.quick and not (costly and m.name.startswith("drift")))
+        or (m.name in WALKED and case.walk == "quick")
+    ]
     left_out = {m.name for m in MEASURES} - {m.name for m in asked}
     own = {limit.quantity: limit for limit in case.limits if limit.quantity not in left_out}
     common = [m.limit for m in asked if m.limit is not None and m.name not in case.not_asked]

@@ -50,6 +50,7 @@ def ring() -> Iterator[HardCase]:
             deviation=lambda solution, twist=twist: torque_error(solution, GJ * twist / LENGTH),
             start=lambda model, twist=twist: closed(model, twist),
             stable=True if share < 1.0 else None,
+            drifts="full",
             not_asked=JOINED,
         )
 
@@ -73,6 +74,7 @@ def loop() -> Iterator[HardCase]:
         "between clamps, bowed a little: it buckles and bulges until its ends are 0.1 L apart",
         limits=_limit("force", "elastica; the bow, extension, mesh"),
         deviation=lambda solution: abs(float(np.linalg.norm(solution.joints[0].force)) / exact - 1.0),
+        drifts="full",
         not_asked=JOINED,
     )
 

@@ -129,8 +129,8 @@ def _work_of_loads(here: Solution, ahead: Solution, behind: Solution) -> float:
 def _place(solution: Solution, load: Force) -> Floats:
     """Where a point force acts (3,): its point, or on a quadratic section the mean under its affine traction.
 
-    Traction (1/A + y y_0/I_z + z z_0/I_y) F has the resultant F at (y_0, z_0); the matrix of second moments is
-    inverted where it is not diagonal.
+    Traction (1/A + y y_0/I_z + z z_0/I_y) F has the resultant F at (y_0, z_0); the matrix of second moments
+    is inverted where it is not diagonal.
     """
     rod = next(rod for rod in solution.model.rods if rod.rod.name == load.rod)
     y_0, z_0 = load.offset

@@ -214,3 +214,38 @@ def test_a_point_of_the_path_is_refined_by_newton_at_its_load(snap):
     result = newton(model, point.q, point.load_factor, 10)
     assert result.converged
     assert np.max(np.abs((result.q - point.q) / model.unit)) < 1e-8
+
+
+@pytest.mark.parametrize("load", [1.0005, 1.001, 1.05])
+def test_a_load_just_past_buckling_is_met_on_the_branch(load):
+    """The branch is entered a little way, which may already lie past the loads: it is gone back to them."""
+    solution = ancf.solve(ancf.scene_from_dict(column(load, stability={"branch": "buckled"})))
+    assert solution.status == "converged"
+    assert solution.load_factor == pytest.approx(1.0, abs=1e-12)
+    assert solution.tip().position[1] > 1e-3
+    arcs = [point.arc for point in solution.path]
+    assert arcs == sorted(arcs)
+
+
+def test_a_branch_that_is_not_met_is_said():
+    solution = ancf.solve(ancf.scene_from_dict(column(0.5, stability={"branch": "buckled"})))
+    assert solution.stability is not None
+    assert "primary branch" in solution.stability.note
+
+
+def test_many_unknowns_see_the_same_spectrum(monkeypatch):
+    """Far beyond buckling several eigenvalues are negative: Lanczos must find the lowest, not the nearest."""
+    model = Model(ancf.scene_from_dict(column(30.0)))
+    q = newton(model, model.q0, 1.0, 30).q
+    band, _ = Spectrum(model).lowest(q, 1.0, 3)
+    assert np.count_nonzero(Spectrum(model).lowest(q, 1.0, 8)[0] < 0.0) >= 4
+    monkeypatch.setattr("ancf.spectrum.SMALL", 0)
+    np.testing.assert_allclose(Spectrum(model).lowest(q, 1.0, 3)[0], band, rtol=1e-6)
+
+
+def test_a_moment_that_overflows_ends_in_a_status_with_stability_asked():
+    scene = column(0.0, stability={})
+    scene["moment"] = [{"value": [0.0, 0.0, 1e308]}]
+    solution = ancf.solve(ancf.scene_from_dict(scene))
+    assert solution.status == "not_finite"
+    json.dumps(solution.as_dict(), allow_nan=False)

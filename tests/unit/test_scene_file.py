@@ -453,7 +453,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_are_valid(path: Path):
-    expected = {"tapered-finger": 0.15, "right-angle-frame": 0.24}  # 3 + 8 + 4 cm
+    expected = {"tapered-finger": 0.15, "right-angle-frame": 0.24, "shallow-arch": 1.0}  # 3 + 8 + 4 cm
     assert load_scene(path).rods[0].length == pytest.approx(expected.get(path.stem, 0.4))
 
 
