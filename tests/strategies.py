@@ -52,8 +52,9 @@ class ListedDraws:
     def choice(self, options: Sequence[T]) -> T:
         """See `Draws.choice`."""
         value = self.left.pop(0)
-        assert not isinstance(value, float) and value in options, (value, options)
-        return value
+        option = options[options.index(value)]
+        assert type(option) is type(value), (value, options)  # False == 0 == 0.0
+        return option
 
 
 @st.composite

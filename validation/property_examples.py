@@ -33,6 +33,7 @@ from validation.random_rods import (
     random_rod,
     random_rotation,
     random_state,
+    random_turn,
     random_vector,
 )
 
@@ -157,7 +158,7 @@ def zero_modes(bent: bool) -> Observe:
     def observe(draws: Draws, element: str) -> float:
         model = random_model(draws, element, RodRange(elements=(1, 2, 3), slenderness=(8.0, 60.0)))
         if bent:
-            q = bent_state(model, random_vector(draws, 2.0)) @ random_rotation(draws).T
+            q = bent_state(model, random_turn(draws, model)) @ random_rotation(draws).T
             count, gap = kernel.zero_modes(kernel.assembled(model, kernel.strain_tangent(model, q)))
         else:
             count, gap = kernel.zero_modes(
@@ -205,7 +206,8 @@ def load_orders(index: int) -> Observe:
 
     def observe(draws: Draws, element: str) -> float:
         rod = random_rod(draws, element)
-        at = draws.number(0.0, 1.0)
+        # No sliver beside the load: positions rounded to eps L leave r_x eps L/h in an element of length h.
+        at = draws.choice((0.0, 1.0, draws.number(0.1, 0.9)))
         value = random_vector(draws) + BIAS
         size = 0.5 * rod.section.outer_radius
         direction = draws.choice(("fixed", "follower"))

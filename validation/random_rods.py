@@ -34,6 +34,9 @@ SHAPES = ("circle", "annulus", "ellipse", "rectangle", "polygon", "angle")
 # Section quadrature of curved rods is exact to 1e-12 up to this curvature x radius (section_energy.py).
 LARGEST_CURVATURE = 0.1
 LARGEST_TURN = 0.5  # rad of reference curvature in one element
+# Section vectors linear along an element (3243) shorten to cos(turn/2) between its ends, and det F in twist
+# to the square: 0.1 here; at pi it is 0 or less, which the solver refuses, and rubber has no digits left.
+LARGEST_BEND = 2.5  # rad by which one element of a state is bent and twisted, reference curvature included
 
 
 class Draws(Protocol):
@@ -198,9 +201,16 @@ def bent_state(model: RodModel, turn: Floats) -> Floats:
     return q
 
 
+def random_turn(draws: Draws, model: RodModel, size: float = 2.0) -> Floats:
+    """Rotation vector (3,) [rad] for `bent_state`, components in [-size, size], within `LARGEST_BEND`."""
+    turn = random_vector(draws, size)
+    most = LARGEST_BEND / float(np.max(model.mesh.h)) - float(np.linalg.norm(model.rod.curvature))
+    return turn / max(1.0, float(np.linalg.norm(turn)) / (most * model.rod.length))
+
+
 def random_state(draws: Draws, model: RodModel, strain: float = 0.05) -> Floats:
     """Nodal vectors (n_nodes, vectors, 3): bent, twisted, turned, and strained by about `strain`."""
-    q = bent_state(model, random_vector(draws, 2.0))
+    q = bent_state(model, random_turn(draws, model))
     h, radius = float(np.min(model.mesh.h)), model.rod.section.outer_radius
     # Second-order section vectors c strain by R c and by R^2 c/h: small enough for both.
     second = min(radius, h) / radius**2
