@@ -103,6 +103,7 @@ def test_every_load_of_a_scene_is_taken(at):
         {"forces": (Force("rod", far, np.array([0.0, 0.02, 0.01]) * B),)},
         {"forces": (Force("rod", far, np.array([0.02, 0.0, 0.0]) * B, offset=np.array([0.01, 0.01])),)},
         {"forces": (Force("rod", far, np.array([0.0, 0.02, 0.0]) * B, direction="follower"),)},
+        {"forces": (Force("rod", far, np.array([0.02, 0.0, 0.0]) * B, np.array([0.01, 0.01]), "follower"),)},
         {"line_loads": (LineLoad("rod", np.array([0.0, 0.03, 0.0]) * B),)},
         {"line_loads": (LineLoad("rod", np.array([0.0, 0.0, 0.03]) * B, direction="follower"),)},
         {"gravity": Gravity(np.array([0.0, 0.0, -1e-3]))},
@@ -147,3 +148,32 @@ def test_no_loads_have_no_start():
     model = Model(Scene((rod,), forces=(Force("rod", 1.0, np.zeros(3)),)))
     assert not nodal_loads(model.scene, model.rods[0]).forces
     assert load_start(model) is None
+
+
+def counted(monkeypatch, load, count=40):
+    """Equilibrium and the linear solves that it took."""
+    solves = []
+    original = Chain._step
+    monkeypatch.setattr(Chain, "_step", lambda self, *a: (solves.append(1), original(self, *a))[1])
+    found = chain(count).equilibrium(load, chain(count).R_0)
+    assert found is not None
+    return found, len(solves)
+
+
+def test_bending_with_torsion_and_a_force_takes_few_solves(monkeypatch):
+    """Newton with the exact turn of the interval moments; without it a dozen and more."""
+    load = loads(moment=np.array([1.0, 3.0, 2.0]) * EI / L, force=np.array([0.0, 1.0, 0.3]) * EI / L**2)
+    _, solves = counted(monkeypatch, load)
+    assert solves <= 7
+
+
+def test_no_step_goes_to_a_saddle(monkeypatch):
+    """Upright under 128 times Greenhill's weight, pushed aside by 0.1 %: Newton alone stands it up again."""
+    count = 24
+    force = np.zeros((count + 1, 3))
+    force[:, 0] = -1000.0 * EI / L**2 / count
+    force[:, 1] = -1e-3 * force[:, 0]
+    force[[0, -1]] /= 2.0
+    zero = np.zeros_like(force)
+    found, _ = counted(monkeypatch, NodalLoads(force, zero, zero, zero, []), count)
+    assert found[0][-1][0, 0] < -0.9  # the tip points down

@@ -101,13 +101,29 @@ def test_nearest_zero_of_a_follower_load(monkeypatch, dense):
     assert np.max(np.abs(S - S.T)) > 1.0
 
 
-def test_eigenvalues_do_not_depend_on_units_or_position():
-    """S is dimensionless: a rod ten times as long, stiff or far away has the same spectrum."""
-    first, _ = Spectrum(cantilever()).lowest(cantilever().q0, 0.0, 3)
-    rod = Rod("rod", 10.0, 8, Circle(0.2), SaintVenantKirchhoff(3e9, 0.3))
-    model = Model(Scene((rod,)))
-    other, _ = Spectrum(model).lowest(model.q0, 0.0, 3)
-    np.testing.assert_allclose(other, first, rtol=1e-6)
+@pytest.mark.parametrize("element", ["3333", "3243", "3363"])
+def test_eigenvalues_do_not_depend_on_units(element):
+    """S is dimensionless: a rod ten times as long, thick and 3000 times as stiff has the same spectrum."""
+    found = []
+    for size, young in ((1.0, 1e6), (10.0, 3e9)):
+        rod = Rod("rod", size, 8, Circle(0.02 * size), SaintVenantKirchhoff(young, 0.3), element=element)
+        model = Model(Scene((rod,)))
+        found.append(Spectrum(model).lowest(model.q0, 0.0, 40)[0])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("left", [False, True])
+def test_modes_of_an_unsymmetric_tangent(left):
+    """S psi = f psi from the right, S^T psi = f psi from the left."""
+    model = cantilever(force=(-30.0 * EI, 4.0 * EI, 0.0), direction="follower")
+    q = newton(model, model.q0, 0.3, 30).q
+    spectrum = Spectrum(model)
+    f, mode = spectrum.nearest_zero(q, 0.3, left=left)
+    S = spectrum.matrix(q, 0.3)
+    psi = (spectrum._B.T @ mode) / spectrum._D
+    matrix = S.T if left else S
+    assert np.linalg.norm(matrix @ psi - f * psi) < 1e-6 * abs(f) * np.linalg.norm(psi) * 1e3
+    assert np.linalg.norm((S - S.T) @ psi) > 1e-3 * np.linalg.norm(psi)
 
 
 def test_held_motions_of_many_unknowns(monkeypatch):
