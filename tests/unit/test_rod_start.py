@@ -169,7 +169,7 @@ def test_bending_with_torsion_and_a_force_takes_few_solves(monkeypatch):
 
 def test_no_step_goes_to_a_saddle(monkeypatch):
     """Upright under 128 times Greenhill's weight, pushed aside by 0.1 %: Newton alone stands it up again."""
-    count = 24
+    count = 48
     force = np.zeros((count + 1, 3))
     force[:, 0] = -1000.0 * EI / L**2 / count
     force[:, 1] = -1e-3 * force[:, 0]
