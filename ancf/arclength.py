@@ -1,24 +1,14 @@
 r"""Path following: equilibria (q, l) along their arc, through limit points of the load factor l.
 
-Distance along the path is measured in dimensionless coordinates and the load factor,
-
-    <(a, k), (b, m)> = 1/N sum_i a_i b_i / unit_i^2 + w^2 k m,     N nodal vectors,
-
-w the motion that unit load factor would cause linearly: a snap is not overlooked because loads are large.
-
 From the last points the next one is predicted by a polynomial in the arc (path.py); Newton then searches the
-plane through it across the predicted direction (t, t_l), with the load factor unknown:
-
-    K dq - Q_ext dl = -g,    <(t, t_l), (q - q_p + dq, l - l_p + dl)> = 0.
-
-K stays banded: two right sides, one more for each `held` motion. (Riks 1979; Wriggers, Nonlinear Finite
-Element Methods, 2008, ch. 5.)
+plane through it across the predicted direction (plane.py). (Riks 1979; Wriggers, Nonlinear Finite Element
+Methods, 2008, ch. 5.)
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +18,10 @@ from ancf.failure import is_collapsed
 from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
+from ancf.plane import Direction, Held, Metric, Plane
 from ancf.spectrum import Spectrum
 
 Floats = NDArray[np.float64]
-Direction = tuple[Floats, float]  # of a motion (n,) [SI] and of the load factor
 
 FIRST_LOAD = 0.1  # largest load factor of the first step
 LONGEST_MOTION = 0.1  # rod lengths or radians (root mean square) in a step
@@ -63,70 +53,6 @@ class PathPoint:
     floor: float = 0.0
 
 
-@dataclass(frozen=True)
-class Held:
-    """Motions (k, n) [SI] that may not change: of solutions that differ by them one is singled out."""
-
-    motions: Floats
-    at: Floats  # (n,)
-
-
-@dataclass(frozen=True)
-class Metric:
-    """The inner product of motions and load factors; `load` is w."""
-
-    model: Model
-    load: float
-
-    def inner(self, a: Floats, b: Floats) -> float:
-        """Of two motions (n,) [SI]."""
-        m = self.model.motions
-        return 3.0 / m * float(np.sum((a * b / self.model.unit**2)[:m]))
-
-    def dot(self, a: Direction, b: Direction) -> float:
-        """Of two directions, motion and load factor."""
-        return self.inner(a[0], b[0]) + self.load**2 * a[1] * b[1]
-
-    def unit(self, motion: Floats, load_factor: float) -> Direction:
-        """Direction of length 1."""
-        size = np.sqrt(self.dot((motion, load_factor), (motion, load_factor)))
-        return motion / size, load_factor / size
-
-
-class Plane:
-    """Border of Newton's method: the plane across a direction (t, t_l) through (q, l)."""
-
-    def __init__(
-        self, metric: Metric, q: Floats, load_factor: float, direction: Direction, held: Held | None
-    ) -> None:
-        self.metric = metric
-        self.q, self.load_factor = q, load_factor
-        self.direction = direction
-        self.held = held
-
-    def step(
-        self, lu: Factors, g: Floats, Q_ext: Floats, q: Floats, load_factor: float
-    ) -> tuple[Floats, float]:
-        """See `newton.Border`."""
-        metric, held = self.metric, self.held
-        model = metric.model
-        motions = np.empty((0, model.n)) if held is None else held.motions
-        columns = np.column_stack([-g, Q_ext, *(-m / model.unit * model.force_unit for m in motions)])
-        x = model.system.solve(lu, columns)
-        gaps = [metric.dot(self.direction, (q - self.q, load_factor - self.load_factor))]
-        if held is not None:
-            gaps += [metric.inner(m, q - held.at) for m in motions]
-        rows = [self.direction[0], *motions]
-        A = np.array([[metric.inner(t, column) for column in x[:, 1:].T] for t in rows])
-        A[0, 0] += metric.load**2 * self.direction[1]
-        right = -np.array(gaps) - np.array([metric.inner(t, x[:, 0]) for t in rows])
-        try:
-            found = np.linalg.solve(A, right)
-        except np.linalg.LinAlgError:
-            return np.full(model.n, np.nan), np.nan
-        return x[:, 0] + x[:, 1:] @ found, float(found[0])
-
-
 def path_from_reference(model: Model, deadline: float = np.inf) -> Follower:
     """The path of equilibria that begins at the unloaded reference, towards more load.
 
@@ -139,7 +65,7 @@ def path_from_reference(model: Model, deadline: float = np.inf) -> Follower:
         raise OverflowError("the loads overflow")
     metric = Metric(model, max(float(size), LEAST_LOAD_WEIGHT))
     path = Follower(metric, Spectrum(model), deadline)
-    path.begin(PathPoint(0.0, 0.0, model.q0, 0, (rate, 1.0)), metric.unit(rate, 1.0))
+    path.begin(PathPoint(0.0, 0.0, model.q0, 0, metric.unit(rate, 1.0)))
     return path
 
 
@@ -167,18 +93,18 @@ class Follower:
         """Motions (k, n) that may not change."""
         return None if self.held is None else self.held.motions
 
-    def begin(self, point: PathPoint, direction: Direction) -> None:
-        """First point: an equilibrium, and where to go from it."""
-        self.points.append(replace(point, tangent=direction))
+    def begin(self, point: PathPoint) -> None:
+        """First point: an equilibrium; its tangent is where to go from it."""
+        self.points.append(point)
         self._path = Path(self.model, point.q, point.arc)
 
-    def enter(self, mode: Floats, size: float) -> PathPoint | None:
-        """The point of another branch at a distance `size` along a mode of the first point."""
+    def enter(self, size: float) -> PathPoint | None:
+        """The point of a branch at a distance `size` from the first point along its tangent, a mode."""
         first = self.points[0]
+        mode = first.tangent[0]
         q = self.model.admissible(self._path.from_tangent(size * mode))
-        direction = (mode, 0.0)
-        plane = Plane(self.metric, first.q + size * mode, first.load_factor, direction, self.held)
-        found = self._solve(first, q, first.load_factor, plane, direction)
+        plane = Plane(self.metric, first.q + size * mode, first.load_factor, first.tangent, self.held)
+        found = self._solve(first, q, first.load_factor, plane, first.tangent)
         if found is not None:
             self._append(found[0])
             self.step = size
@@ -278,24 +204,25 @@ class Follower:
     def at_load(self, load_factor: float) -> PathPoint | None:
         """Replace the last point by one at a load factor between the last two; None if none is found."""
         a, b = self.points[-2:]
-        share = (load_factor - a.load_factor) / (b.load_factor - a.load_factor)
-        found = self.between(share, fixed=load_factor)
-        if found is not None:
-            self.points[-1] = found
-        return found
+        q = self._shape_between((load_factor - a.load_factor) / (b.load_factor - a.load_factor))
+        plane = Plane(self.metric, q, load_factor, (np.zeros(self.model.n), 1.0), self.held)
+        found = self._solve(a, q, load_factor, plane, self._last_chord())
+        if found is None:
+            return None
+        self.points[-1] = found[0]
+        return found[0]
 
-    def between(self, share: float, fixed: float | None = None) -> PathPoint | None:
-        """The point of the path at a share of the way between the last two, or near it at a `fixed` load."""
+    def between(self, share: float) -> PathPoint | None:
+        """The point of the path at a share of the chord between the last two; None if none is found."""
         a, b = self.points[-2:]
-        q = self.model.admissible(self._path.extrapolate(a.arc + share * (b.arc - a.arc)))
-        load_factor = a.load_factor + share * (b.load_factor - a.load_factor)
-        direction = self.metric.unit(b.q - a.q, b.load_factor - a.load_factor)
-        plane = Plane(self.metric, a.q + share * (b.q - a.q), load_factor, direction, self.held)
-        if fixed is not None:
-            load_factor = fixed
-            plane = Plane(self.metric, q, fixed, (np.zeros(self.model.n), 1.0), self.held)
-        found = self._solve(a, q, load_factor, plane, direction)
+        load_factor, chord = a.load_factor + share * (b.load_factor - a.load_factor), self._last_chord()
+        plane = Plane(self.metric, a.q + share * (b.q - a.q), load_factor, chord, self.held)
+        found = self._solve(a, self._shape_between(share), load_factor, plane, chord)
         return None if found is None else found[0]
+
+    def _shape_between(self, share: float) -> Floats:
+        a, b = self.points[-2:]
+        return self.model.admissible(self._path.extrapolate(a.arc + share * (b.arc - a.arc)))
 
     def _tangent(self, lu: Factors, Q_ext: Floats, ahead: Direction) -> Direction:
         """Unit direction of the path: K dq = Q_ext dl; forward is where `ahead` points."""

@@ -8,6 +8,8 @@ Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are r
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -105,3 +107,44 @@ def is_positive_definite(pattern: BandPattern, flat: Floats) -> bool:
     lower = flat.reshape(3 * pattern.b + 1, pattern.n)[2 * pattern.b :]
     _, info = _pbtrf(lower, lower=1)
     return info == 0
+
+
+@contextmanager
+def named_failure() -> Iterator[None]:
+    """Turn every way in which LAPACK, SuperLU and ARPACK give up into `SingularMatrixError`."""
+    try:
+        yield
+    except (np.linalg.LinAlgError, RuntimeError, ValueError) as error:
+        raise SingularMatrixError(str(error)) from error
+
+
+@named_failure()
+def negative_eigenvalues(pattern: BandPattern, flat: Floats) -> int:
+    """Number of negative eigenvalues of a symmetric matrix in flat band storage; cost O(n b^2).
+
+    The inertia of a block tridiagonal matrix is the sum of that of its pivots
+    P_i = A_ii - A_i,i-1 P_i-1^-1 A_i-1,i (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
+
+    Raises `SingularMatrixError` where a block is singular.
+    """
+    n, b = pattern.n, max(pattern.b, 1)
+    # Lower triangle by rows of blocks: the matrix is block tridiagonal in blocks of the half bandwidth.
+    rows = np.arange(b)
+    count, pivot = 0, np.empty((0, 0))
+    for start in range(0, n, b):
+        here = np.arange(start, min(start + b, n))
+        block = _entries(pattern, flat, here, here)
+        if start:
+            before = start - b + rows
+            coupling = _entries(pattern, flat, here, before)
+            block = block - coupling @ np.linalg.solve(pivot, coupling.T)
+        pivot = 0.5 * (block + block.T)
+        count += int(np.count_nonzero(np.linalg.eigvalsh(pivot) < 0.0))
+    return count
+
+
+def _entries(pattern: BandPattern, flat: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Floats:
+    """Dense block of a band matrix; zero outside the band."""
+    near = np.abs(rows[:, None] - columns) <= pattern.b
+    slots = pattern.slots(rows[:, None], columns)
+    return np.where(near, flat[np.where(near, slots, 0)], 0.0)

@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.arclength import Follower, Held, PathPoint
+from ancf.arclength import Follower, PathPoint
 from ancf.band import SingularMatrixError
+from ancf.plane import Held
 
 Floats = NDArray[np.float64]
 
@@ -145,12 +146,11 @@ def turn_off(path: Follower, critical: CriticalPoint) -> Follower | None:
 
     Other modes that are soft there are held, so that one of the solutions that differ by them is followed.
     """
-    point, mode = critical.point, critical.modes[0]
-    held = Held(critical.modes[1:], point.q) if len(critical.modes) > 1 else None
+    held = Held(critical.modes[1:], critical.point.q) if len(critical.modes) > 1 else None
     for size in TURN_OFF:
         branch = Follower(path.metric, path.spectrum, path.deadline, held)
-        branch.begin(point, (mode, 0.0))
-        found = branch.enter(mode, size)
+        branch.begin(replace(critical.point, tangent=(critical.modes[0], 0.0)))
+        found = branch.enter(size)
         path.history += branch.history
         if found is not None:
             branch.history = []

@@ -42,14 +42,13 @@ def placed(model: Model, shapes: Sequence[LocalShape], linear: Floats, turned: S
 
     def section(place: Place) -> tuple[RodModel, int, int]:
         rod = model.rods[index_of[place.rod]]
-        return rod, _node(rod, place.at), rod.element.vectors.index(R)
+        return rod, rod.node_at(place.at), rod.element.vectors.index(R)
 
     for rod in model.rods:
-        supports = rod.rod.supports
-        if len(supports) == 1 and supports[0].kind != "pin":
-            node = _node(rod, supports[0].at)
+        if rod.rod.clamp is not None:
+            node = rod.node_at(rod.rod.clamp.at)
             build(rod, node, rod.q0[node, rod.element.vectors.index(R)], np.eye(3))
-        elif supports:
+        elif rod.rod.supports:
             done.add(rod.rod.name)
     while len(done) < len(model.rods):
         before = len(done)
@@ -68,7 +67,3 @@ def placed(model: Model, shapes: Sequence[LocalShape], linear: Floats, turned: S
             rod, node, r = section(place)
             build(rod, node, rod.nodal(linear)[node, r], turned[index_of[place.rod]][node])
     return q
-
-
-def _node(rod: RodModel, at: float) -> int:
-    return int(np.argmin(np.abs(rod.mesh.node_x - at * rod.rod.length)))

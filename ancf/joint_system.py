@@ -29,11 +29,17 @@ from scipy import sparse
 from scipy.linalg import block_diag
 from scipy.sparse.linalg import splu
 
-from ancf.band import BandPattern, Factors, SingularMatrixError, factorise
+from ancf.band import (
+    BandPattern,
+    Factors,
+    SingularMatrixError,
+    factorise,
+    named_failure,
+    negative_eigenvalues,
+)
 from ancf.counters import Counters
 from ancf.joints import Joints
 from ancf.linear_system import LinearSystem
-from ancf.spectrum import named_failure, negative_eigenvalues
 from ancf.supports import NodeSupport
 
 Floats = NDArray[np.float64]

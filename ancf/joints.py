@@ -102,8 +102,7 @@ def turning_conditions(joint: Joint) -> tuple[Floats, Floats, Floats]:
         x = np.array([[e[j], e[k]] for j, k in pairs])
         return np.tile([0.5, -0.5], (3, 1)), x, x[:, ::-1]
     if joint.kind == "hinge":
-        across = np.linalg.svd(joint.axis[None])[2][1:]
-        return np.ones((2, 1)), np.tile(joint.axis, (2, 1, 1)), across[:, None]
+        return np.ones((2, 1)), np.tile(joint.axis, (2, 1, 1)), joint.across[:, None]
     return np.empty((0, 1)), np.empty((0, 1, 3)), np.empty((0, 1, 3))
 
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandPattern, Factors, factorise, is_positive_definite
+from ancf.band import BandPattern, Factors, factorise, is_positive_definite, negative_eigenvalues
 from ancf.counters import Counters
 from ancf.supports import NodeSupport
 
@@ -101,8 +101,6 @@ class LinearSystem:
 
     def negative_eigenvalues(self, flat: Floats) -> int:
         """Number of negative eigenvalues of a symmetric tangent on the motions that the supports allow."""
-        from ancf.spectrum import negative_eigenvalues  # brings scipy.sparse: a quarter of a second
-
         return negative_eigenvalues(self.pattern, self.supported(flat))
 
     def solve(self, lu: Factors, right: Floats) -> Floats:

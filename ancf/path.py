@@ -75,10 +75,9 @@ class Path:
             return self._placed(shapes, linear, other, share)
         q = linear.copy()
         for rod, shape in zip(self.model.rods, shapes, strict=True):
-            supports = rod.rod.supports
-            if len(supports) != 1 or supports[0].kind == "pin":
+            if rod.rod.clamp is None:
                 continue
-            node = int(np.argmin(np.abs(rod.mesh.node_x - supports[0].at * rod.rod.length)))
+            node = rod.node_at(rod.rod.clamp.at)
             now = rod.nodal(self.points[-1][2])
             rotation = node_rotations(rod, now)[node]
             position = now[node, rod.element.vectors.index(R)]

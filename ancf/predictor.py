@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 # Gauss points of the mean compliance between two nodes of a tapered rod; it is a start value.
 COMPLIANCE_POINTS = 4
 # Beyond this |M| L / E I [rad] the start is worthless: an element would carry more than a turn.
-LARGEST_TURN = 1e3
+WORTHLESS_TURN = 1e3
 # Axial strains that a start may have: beyond them the law is far from linear, and Newton finds its way.
 STRAINS = (-0.2, 1.0)
 
@@ -48,8 +48,7 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
     q = model.q0.copy()
     found = False
     for rod in model.rods:
-        supports = rod.rod.supports
-        if len(supports) != 1 or supports[0].kind == "pin":
+        if rod.rod.clamp is None:
             continue
         moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         loads = nodal_loads(model.scene, rod)
@@ -79,7 +78,7 @@ def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
     if not moments or rod.rod.supports[0].at != 0.0 or not (fixed or len(moments) == 1):
         return None
     turns = sum(np.abs(m.value).max() for m in moments) * rod.rod.length / rod.bending_stiffness
-    if not turns < LARGEST_TURN:  # also false for an overflow
+    if not turns < WORTHLESS_TURN:  # also false for an overflow
         return None
     x = rod.mesh.node_x
     A_o = rod.rod.base.rotation
@@ -129,13 +128,9 @@ def _chain(rod: RodModel) -> Chain:
         C=np.linalg.inv(_compliance(rod)).astype(float),
         k_0=np.asarray(rod.rod.curvature),
         R_0=rod.rod.base.rotation @ frame,
-        held=_held_node(rod),
+        held=rod.node_at(rod.rod.supports[0].at),
         unit=rod.bending_stiffness / rod.rod.length,
     )
-
-
-def _held_node(rod: RodModel) -> int:
-    return int(np.argmin(np.abs(rod.mesh.node_x - rod.rod.supports[0].at * rod.rod.length)))
 
 
 def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Floats:
@@ -152,7 +147,7 @@ def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Flo
     _, frame0 = reference_axis(x, rod.rod.curvature)
     relative = rotations @ np.swapaxes(rod.rod.base.rotation @ frame0, -1, -2)
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
-    axis, held = rod.element.vectors.index(R), _held_node(rod)
+    axis, held = rod.element.vectors.index(R), rod.node_at(rod.rod.supports[0].at)
     q[:, axis] = r - r[held] + rod.q0[held, axis]
     if rod.element.quadratic_section:
         _contract(rod, q, rotations, theta / np.diff(x)[:, None] - np.asarray(rod.rod.curvature))

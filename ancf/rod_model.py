@@ -257,14 +257,17 @@ class RodModel:
             self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
         )
 
+    def node_at(self, at: float) -> int:
+        """The node nearest to a fraction of the reference length."""
+        return int(np.argmin(np.abs(self.mesh.node_x - at * self.rod.length)))
+
     def node_supports(self) -> list[NodeSupport]:
         """Supports of the rod on its nodes."""
         per_node = 3 * len(self.element.vectors)
         found = []
         for support in self.rod.supports:
-            x = support.at * self.rod.length
-            node = int(np.argmin(np.abs(self.mesh.node_x - x)))
-            _, frame = reference_axis(np.array([x]), self.rod.curvature)
+            node = self.node_at(support.at)
+            _, frame = reference_axis(np.array([support.at * self.rod.length]), self.rod.curvature)
             rows = support_rows(support.kind, self.element, self.rod.base.rotation @ frame[0])
             found.append(NodeSupport(self.first_dof + node * per_node + np.arange(per_node), rows))
         return found

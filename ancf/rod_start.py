@@ -43,10 +43,8 @@ from ancf.sections import Section
 
 Floats = NDArray[np.float64]
 
-MOST_DOWNHILL = (
-    300  # the same with a potential, when every step succeeds: away from an unstable shape it is slow
-)
 MAX_ITERATIONS = 100  # linear solves; five are usual, and one costs a tenth of one of the elements'
+MOST_DOWNHILL = 300  # the same with a potential: every step succeeds, but leaving an unstable shape is slow
 CLOSE = 1e-6  # of E I/L and of the first residual: a start needs no more
 NOTHING = 1e-12  # of E I/L: a first residual of rounding errors
 LARGEST_SPIN = 1.0  # rad by which one step may turn neighbours against each other
@@ -87,11 +85,11 @@ def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
     for load in scene.moments:
         if load.rod == name:
             target = moment if load.direction == "fixed" else turning_moment
-            target[_nearest(x, load.at)] += load.value
+            target[rod.node_at(load.at)] += load.value
     for load in scene.forces:
         if load.rod != name:
             continue
-        node = _nearest(x, load.at)
+        node = rod.node_at(load.at)
         arm = load.offset @ rod.q0[node, [vectors.index(R_Y), vectors.index(R_Z)]]
         if load.direction == "follower":
             turning_force[node] += load.value
@@ -126,10 +124,6 @@ def between_nodes(rod: RodModel, value: Callable[[Section, Law], float]) -> Floa
     return np.array(found)[kind].ravel()
 
 
-def _nearest(x: Floats, at: float) -> int:
-    return int(np.argmin(np.abs(x - at * x[-1])))
-
-
 @dataclass(frozen=True)
 class Chain:
     """A rod as intervals between nodes, held at one of them; `unit` is E I/L [N m]."""
@@ -161,9 +155,8 @@ class Chain:
                 chord, n = parts[2], parts[3]
                 return R, np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
             w = self._step(g, parts, loads, R, shift)
-            if (
-                w is not None and _size(np.diff(w, axis=0)) <= LARGEST_SPIN
-            ):  # false for one that is not finite
+            # The comparison is false for a step that is not finite.
+            if w is not None and _size(np.diff(w, axis=0)) <= LARGEST_SPIN:
                 turned = exp(w) @ R
                 g_new, parts_new = self._residual(turned, loads)
                 if np.sum((g + g_new) * w) > 0.0:
@@ -207,7 +200,7 @@ class Chain:
         R: Floats,
         shift: float,
     ) -> Floats | None:
-        """Spins (m + 1, 3) of one Newton step."""
+        """Spins (m + 1, 3) of one Newton step; None where no step goes downhill."""
         middle, m, chord, n = parts
         count = len(g)
         stiff = middle @ (self.C / self.h[:, None, None]) @ np.swapaxes(middle, -1, -2)

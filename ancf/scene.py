@@ -82,6 +82,11 @@ class Rod:
         plain = len(segments) == 1 and not segments[0].tapered
         return cls(name=name, segments=() if plain else segments, **_totals(segments), **others)
 
+    @property
+    def clamp(self) -> Support | None:
+        """The one support that holds position and orientation; None where there are others, or none."""
+        return self.supports[0] if len(self.supports) == 1 and self.supports[0].kind != "pin" else None
+
     @cached_property
     def parts(self) -> tuple[Segment, ...]:
         """The segments, of a plain rod the one that it is."""
@@ -194,6 +199,11 @@ class Joint:
     axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def across(self) -> NDArray[np.float64]:
+        """Two unit vectors (2, 3) across the axis, rotations about which a hinge holds."""
+        return np.linalg.svd(self.axis[None])[2][1:]
 
     @property
     def places(self) -> tuple[Place, ...]:

@@ -18,7 +18,7 @@ from ancf.mesh import reference_axis
 from ancf.rotation import hat
 from ancf.scene import SAME_PLACE, Joint, Place, Rod
 from ancf.scene_rods import read_direction
-from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, nearest, show
+from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, show
 from ancf.units import LENGTH, NUMBER
 
 Floats = NDArray[np.float64]
@@ -112,16 +112,7 @@ def _read_end(table: Table, key: str, rods: Sequence[Rod]) -> Place | None:
     end = table.table(key)
     end.expect_keys(("rod", "at"))
     names = [rod.name for rod in rods]
-    name = end.text("rod", names[0])
-    if name not in names:
-        close = nearest(name, names)
-        end.refuse(
-            "rod",
-            f"There is no rod named {show(name)}.",
-            f"{show(name)} is none of {', '.join(names)}",
-            "a misspelt name" if close else "the joint holds a rod that the scene does not list",
-            f'did you mean "{close}"?' if close else f'write rod = "{names[0]}"',
-        )
+    name = end.known("rod", names, "rod", "the joint holds a rod that the scene does not list")
     return Place(name, end.number("at", NUMBER, limit=FRACTION))
 
 
@@ -162,7 +153,7 @@ def _turns_held(joint: Joint) -> Floats:
     """Rows (k, 3) of the rotations that a joint holds."""
     if joint.kind == "rigid":
         return np.eye(3)
-    return np.linalg.svd(joint.axis[None])[2][1:] if joint.kind == "hinge" else np.empty((0, 3))
+    return joint.across if joint.kind == "hinge" else np.empty((0, 3))
 
 
 def _rows(joint: Joint, columns: Sequence[int], arms: Sequence[Floats], size: int) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
-from ancf.scene_table import FRACTION, Limit, Table, nearest, show
+from ancf.scene_table import FRACTION, Limit, Table
 from ancf.units import (
     ACCELERATION,
     FORCE,
@@ -127,17 +127,8 @@ def read_stability(table: Table) -> StabilityOptions:
 
 def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
     """Return the rod a load names, by default the first."""
-    name = table.text("rod", rods[0].name)
     names = [rod.name for rod in rods]
-    if name not in names:
-        close = nearest(name, names)
-        table.refuse(
-            "rod",
-            f"There is no rod named {show(name)}.",
-            f"{show(name)} is none of {', '.join(names)}",
-            "a misspelt name" if close else "the load stands on a rod that the scene does not list",
-            f'did you mean "{close}"?' if close else f'write rod = "{names[0]}"',
-        )
+    name = table.known("rod", names, "rod", "the load stands on a rod that the scene does not list")
     return rods[names.index(name)]
 
 

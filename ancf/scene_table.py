@@ -207,6 +207,20 @@ class Table:
             )
         return number
 
+    def known(self, key: str, names: Sequence[str], thing: str, elsewhere: str) -> str:
+        """Read the name of a `thing` of the scene, by default the first; `elsewhere`: why others may not."""
+        name = self.text(key, names[0])
+        if name not in names:
+            close = nearest(name, names)
+            self.refuse(
+                key,
+                f"There is no {thing} named {show(name)}.",
+                f"{show(name)} is none of {', '.join(names)}",
+                "a misspelt name" if close else elsewhere,
+                f'did you mean "{close}"?' if close else f'write {key} = "{names[0]}"',
+            )
+        return name
+
     def word(
         self, key: str, choices: Sequence[str], default: Any = REQUIRED, later: Sequence[str] = ()
     ) -> str:

@@ -8,17 +8,12 @@ axis by the element's length, slopes across it by the radius of gyration. With D
 on the free unknowns is dimensionless; its lowest eigenvalues belong to bending and twisting of the whole
 rod, not to strains of a section.
 
-Counting needs no eigenvalue: the inertia of a block tridiagonal matrix is the sum of that of its pivots
-P_i = A_ii - A_i,i-1 P_i-1^-1 A_i-1,i (Haynsworth 1968, Linear Algebra Appl. 1, 73-81).
-
 Joints leave only the motions with C phi = 0, C their linearised conditions: across these rows S is looked at,
 as it is across held motions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +23,7 @@ from scipy import sparse
 from scipy.linalg import eig, eig_banded, eigh
 from scipy.sparse.linalg import LinearOperator, eigs, eigsh, splu
 
-from ancf.band import BandPattern, SingularMatrixError
+from ancf.band import named_failure
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -39,44 +34,6 @@ EXTRA = 6  # eigenvalues that Lanczos finds beyond those asked for
 REAL = 1e-9  # relative imaginary part that rounding leaves of a real eigenvalue
 TINY = 60  # unknowns up to which dense matrices serve where they are not symmetric or motions are held
 SMALL = 600  # unknowns up to which direct solvers are faster than Lanczos
-
-
-@contextmanager
-def named_failure() -> Iterator[None]:
-    """Turn every way in which LAPACK, SuperLU and ARPACK give up into `SingularMatrixError`."""
-    try:
-        yield
-    except (np.linalg.LinAlgError, RuntimeError, ValueError) as error:
-        raise SingularMatrixError(str(error)) from error
-
-
-@named_failure()
-def negative_eigenvalues(pattern: BandPattern, flat: Floats) -> int:
-    """Number of negative eigenvalues of a symmetric matrix in flat band storage; cost O(n b^2).
-
-    Raises `SingularMatrixError` where a block is singular.
-    """
-    n, b = pattern.n, max(pattern.b, 1)
-    # Lower triangle by rows of blocks: the matrix is block tridiagonal in blocks of the half bandwidth.
-    rows = np.arange(b)
-    count, pivot = 0, np.empty((0, 0))
-    for start in range(0, n, b):
-        here = np.arange(start, min(start + b, n))
-        block = _entries(pattern, flat, here, here)
-        if start:
-            before = start - b + rows
-            coupling = _entries(pattern, flat, here, before)
-            block = block - coupling @ np.linalg.solve(pivot, coupling.T)
-        pivot = 0.5 * (block + block.T)
-        count += int(np.count_nonzero(np.linalg.eigvalsh(pivot) < 0.0))
-    return count
-
-
-def _entries(pattern: BandPattern, flat: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Floats:
-    """Dense block of a band matrix; zero outside the band."""
-    near = np.abs(rows[:, None] - columns) <= pattern.b
-    slots = pattern.slots(rows[:, None], columns)
-    return np.where(near, flat[np.where(near, slots, 0)], 0.0)
 
 
 def _inverse_across(S: sparse.csr_array, basis: Floats) -> LinearOperator:

@@ -248,29 +248,33 @@ def arch(opening: float, load: float, ends: tuple[Ends, Ends], elements: int) ->
 
 
 def _arches() -> Iterator[HardCase]:
-    family = "snap"
-    law = (
-        "Saint Venant-Kirchhoff in place of the linear law of the reference: 1.5 times the axial strain, 1e-3"
-    )
-    scene, exact, unit = arch(0.6, 50.0, ("clamped", "clamped"), 16)
-    yield HardCase(
-        family,
+    yield _snap(
         "shallow clamped arch, snap-through",
-        scene,
         "the load falls from its maximum to its minimum and rises again: both limit loads",
-        limits=critical(5e-3, f"required by the issue; {law}"),
-        deviation=from_limit_loads(exact, 2, 50.0 * unit),
-        drifts="full",
-        not_asked=FOLLOWED,
+        arch(0.6, 50.0, ("clamped", "clamped"), 16),
+        50.0,
+        2,
     )
-    scene, exact, unit = arch(2.0, 60.0, ("clamped", "pinned"), 24)
-    yield HardCase(
-        family,
+    yield _snap(
         "high arch, one end pinned, snap-back",
-        scene,
         "between the limit loads the crown itself turns back twice",
+        arch(2.0, 60.0, ("clamped", "pinned"), 24),
+        60.0,
+        4,
+    )
+
+
+def _snap(name: str, meaning: str, made: tuple[Scene, Arch, float], load: float, count: int) -> HardCase:
+    """An arch under `load` units, held against the first `count` limit loads of the reference."""
+    scene, exact, unit = made
+    law = "Saint Venant-Kirchhoff for the linear law of the reference: 1.5 times the axial strain, 1e-3"
+    return HardCase(
+        "snap",
+        name,
+        scene,
+        meaning,
         limits=critical(5e-3, f"required by the issue; {law}"),
-        deviation=from_limit_loads(exact, 4, 60.0 * unit),
+        deviation=from_limit_loads(exact, count, load * unit),
         drifts="full",
         not_asked=FOLLOWED,
     )

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.effects.line_load import FOLLOWER_POINTS
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import log
@@ -109,7 +110,8 @@ def _work_of_loads(here: Solution, ahead: Solution, behind: Solution) -> float:
         work += float(_present(here, load) @ turn)
     for rod in here.model.rods:
         name = rod.rod.name
-        xi, weight = gauss(ALONG)
+        # A following load is the one that its own rule makes of it; for dead ones the rule is exact.
+        xi, weight = gauss(FOLLOWER_POINTS)
         at = (rod.mesh.breaks[:-1, None] + 0.5 * rod.mesh.h[:, None] * (1.0 + xi)).ravel() / rod.rod.length
         dx = (0.5 * rod.mesh.h[:, None] * weight).ravel()
         way = ahead.displaced(name, at, 0.0, 0.0) - behind.displaced(name, at, 0.0, 0.0)

@@ -35,10 +35,9 @@ def solved(loads, law="saint-venant-kirchhoff", **rod):
 @pytest.mark.parametrize("curvature", [[0, 0, 0], [1.0, 0.5, 2.0]], ids=["straight", "curved"])
 @pytest.mark.parametrize("name", LOADS)
 def test_equilibria_balance(name, curvature):
-    """Work of stress and loads agree to rounding; a follower line load has a rule of its own (3 points)."""
+    """Work of stress and loads agree to rounding."""
     solution = solved(LOADS[name], curvature=curvature)
-    limit = 1e-4 if name == "follower line load" else 1e-7
-    assert work_error(solution, np.random.default_rng(1)) < limit
+    assert work_error(solution, np.random.default_rng(1)) < 1e-7
     assert energy_error(solution) < 1e-10
 
 

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import ancf.spectrum
-from ancf.band import BandPattern
+from ancf.band import BandPattern, negative_eigenvalues
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.newton import newton
 from ancf.scene import Force, Rod, Scene, Support
 from ancf.sections import Circle
-from ancf.spectrum import Spectrum, negative_eigenvalues
+from ancf.spectrum import Spectrum
 
 EI = 1e6 * math.pi * 0.02**4 / 4
 
