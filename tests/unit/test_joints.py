@@ -1,7 +1,6 @@
 # ruff: noqa: E501
 """Joints and moved sections: conditions, tangent, what they carry, and what a scene may not join."""
 
-import json
 import math
 
 import numpy as np
@@ -380,29 +379,3 @@ def test_a_moved_section_is_where_it_was_sent(kind):
     total = solution.reaction()[0]
     np.testing.assert_allclose(total, 0.0, atol=1e-7 * EI)  # of clamp and joint: the rod is in equilibrium
     np.testing.assert_allclose(solution.section_forces().force[-1], carried.force, rtol=0.2, atol=0.2 * EI)
-
-
-def test_json_state_and_check(tmp_path):
-    solution = solved(frame(1.0))
-    (entry,) = json.loads(json.dumps(solution.as_dict()))["joints"]
-    assert entry["kind"] == "rigid" and entry["a"] == {"rod": "column", "at": 1.0}
-    assert entry["b"] == {"rod": "beam", "at": 0.0}
-    np.testing.assert_allclose(entry["moment"], solution.joints[0].moment)
-    assert solution.as_dict()["effects"]["joint"]["calls"] > 0
-    solution.save(tmp_path / "state.npz")
-    again = ancf.resume(ancf.scene_from_dict(frame(1.0)), tmp_path / "state.npz")
-    assert again.iterations <= 2
-    with pytest.raises(ancf.InputError, match="does not belong"):
-        ancf.resume(ancf.scene_from_dict(portal_scene()), tmp_path / "state.npz")
-
-
-def portal_scene():
-    scene = frame(1.0, "hinge", axis=[0, 0, 1])
-    scene["rod"][1]["supports"] = [{"at": 1.0}]
-    return scene
-
-
-def test_a_scene_without_joints_has_none():
-    solution = solved({"rod": [rod()], "force": [{"value": [0, EI, 0]}]})
-    assert solution.joints == [] and "joints" not in solution.as_dict()
-    assert solution.model.n == solution.model.motions and solution.model.longest_step == math.inf

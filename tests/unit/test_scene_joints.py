@@ -2,6 +2,7 @@
 """Joints in a scene: what is read, and what may not be joined."""
 
 import copy
+import json
 import math
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ancf
-from tests.unit.test_joints import joint, rod
+from tests.unit.test_joints import EI, frame, joint, rod, solved
 
 
 def scene_of(*joints, **second):
@@ -94,3 +95,29 @@ def test_a_spoilt_joint_is_read_or_refused(data):
         assert error.message.advice
     else:
         assert len(scene.joints) == 2
+
+
+def test_a_scene_without_joints_has_none():
+    solution = solved({"rod": [rod()], "force": [{"value": [0, EI, 0]}]})
+    assert solution.joints == [] and "joints" not in solution.as_dict()
+    assert solution.model.n == solution.model.motions and solution.model.longest_step == math.inf
+
+
+def test_json_state_and_check(tmp_path):
+    solution = solved(frame(1.0))
+    (entry,) = json.loads(json.dumps(solution.as_dict()))["joints"]
+    assert entry["kind"] == "rigid" and entry["a"] == {"rod": "column", "at": 1.0}
+    assert entry["b"] == {"rod": "beam", "at": 0.0}
+    np.testing.assert_allclose(entry["moment"], solution.joints[0].moment)
+    assert solution.as_dict()["effects"]["joint"]["calls"] > 0
+    solution.save(tmp_path / "state.npz")
+    again = ancf.resume(ancf.scene_from_dict(frame(1.0)), tmp_path / "state.npz")
+    assert again.iterations <= 2
+    with pytest.raises(ancf.InputError, match="does not belong"):
+        ancf.resume(ancf.scene_from_dict(portal_scene()), tmp_path / "state.npz")
+
+
+def portal_scene():
+    scene = frame(1.0, "hinge", axis=[0, 0, 1])
+    scene["rod"][1]["supports"] = [{"at": 1.0}]
+    return scene
