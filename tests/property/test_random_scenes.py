@@ -16,15 +16,19 @@ from hypothesis import HealthCheck, event, example, given, settings
 from hypothesis import strategies as st
 
 import ancf
+from ancf.failure import element_turns
+from ancf.hyperelastic import NeoHookean
 from ancf.solution import Solution, Status
 from tests.property.test_scene_fuzz import mutated, read
 from validation.recheck import energy_error, work_error
 
 SECONDS = 5.0  # budget of a scene
 SLACK = 60.0  # what one step may take beyond it on a busy machine: a hang takes for ever
-# Rubber's section rule is of degree 8: 3e-9 at kappa R = 0.3, more beyond (energy-integral in properties.py).
 ENERGY = 1e-5
 WORK = 1e-5
+# Rubber's energy is no polynomial, and its section rule is of degree 8: it leaves in energy and work 4e-9 at
+# kappa R = 0.4, 1e-7 at 0.5, 2e-4 at 0.9, so c (kappa R)^10, until fibres vanish on the inside at 1.
+RUBBER = 1e-2
 
 
 # Counterexample to a recheck that integrated the following load by a finer rule than the load's own.
@@ -38,6 +42,20 @@ FOLLOWER_LINE_LOAD: dict[str, Any] = {
         }
     ],
     "line_load": [{"value": [0.0, 0.0, 0.07853981633974483], "direction": "follower"}],
+    "solver": {"max_seconds": SECONDS, "max_steps": 60},
+}
+
+# Counterexample to limits that do not grow with the bending of rubber: kappa R = 0.9.
+THICK_RUBBER: dict[str, Any] = {
+    "rod": [
+        {
+            "length": 1.0,
+            "elements": 2,
+            "section": {"shape": "circle", "radius": 0.17783},
+            "material": {"law": "neo-hookean", "young_modulus": 100.0, "poisson_ratio": 0.4999},
+        }
+    ],
+    "moment": [{"value": [0.0, 0.0, 0.38645], "at": 0.125}],
     "solver": {"max_seconds": SECONDS, "max_steps": 60},
 }
 
@@ -133,6 +151,16 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     return scene
 
 
+def section_rule_error(solution: Solution) -> float:
+    """What the section rule may leave of the energy of bent rubber."""
+    largest = 0.0
+    for rod in solution.model.rods:
+        if isinstance(rod.rod.material, NeoHookean):
+            bending = rod.rod.section.outer_radius * np.max(element_turns(rod, solution.q) / rod.mesh.h)
+            largest = max(largest, RUBBER * min(1.0, float(bending)) ** 10)
+    return largest
+
+
 def check(solution: Solution, seconds: float) -> None:
     """What holds of every result, and of a converged one."""
     json.dumps(solution.as_dict(), allow_nan=False)
@@ -146,15 +174,17 @@ def check(solution: Solution, seconds: float) -> None:
         return
     assert solution.load_factor == 1.0 or abs(solution.load_factor - 1.0) < 1e-12
     assert solution.residual <= max(1e-10, solution.residual_floor)
-    assert energy_error(solution) <= ENERGY
+    coarse = section_rule_error(solution)
+    assert energy_error(solution) <= ENERGY + coarse
     # What rounding leaves of the residual works along a motion of order one.
-    limit = max(WORK, 100.0 * solution.residual_floor)
+    limit = max(WORK + coarse, 100.0 * solution.residual_floor)
     assert work_error(solution, np.random.default_rng(0), motions=1) <= limit
 
 
 @settings(suppress_health_check=list(HealthCheck), deadline=None)
 @given(scenes())
 @example(FOLLOWER_LINE_LOAD)
+@example(THICK_RUBBER)
 def test_random_scenes_end_as_they_must(data: dict[str, Any]):
     """No crash, no number that is not finite, no search beyond its budget, no wrong `converged`."""
     try:
