@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ancf.batch import BatchSolution, solve_batch
     from ancf.errors import InputError, Message, SceneError
     from ancf.scene import Scene
     from ancf.scene_file import load_scene, scene_from_dict
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOME = {
+    "BatchSolution": "batch",
+    "solve_batch": "batch",
     "InputError": "errors",
     "Message": "errors",
     "SceneError": "errors",
@@ -36,6 +39,7 @@ _HOME = {
 }
 
 __all__ = [
+    "BatchSolution",
     "InputError",
     "Message",
     "Pose",
@@ -49,6 +53,7 @@ __all__ = [
     "resume",
     "scene_from_dict",
     "solve",
+    "solve_batch",
 ]
 
 

@@ -13,6 +13,8 @@ gamma ~ v_o . v + v . v_o - v_o . v_o - v0 . v0 with the iterate v_o before that
 long steps where axis and sections are much stiffer than bending, and vanishes at convergence.
 
 Positions enter relative to the first node of the element: what is common to all nodes cannot cancel later.
+
+Arrays e, v, T, H may carry leading batch axes before n_el: many states of one rod at once (batch_newton.py).
 """
 
 from __future__ import annotations
@@ -62,12 +64,12 @@ class ElasticRod:
     def generalised(self, e: Floats) -> Floats:
         """Generalised vectors v (n_el, points, generalised vectors, 3) of e (n_el, nodal, 3)."""
         relative = e.copy()
-        relative[:, self.position_columns] -= e[:, self.position_columns[:1]]
-        return self.N @ relative[:, None]
+        relative[..., self.position_columns, :] -= e[..., self.position_columns[:1], :]
+        return self.N @ relative[..., None, :, :]
 
     def _packed(self, gram: Floats) -> Floats:
         i, j = self._pairs
-        return gram[:, :, i, j]
+        return gram[..., i, j]
 
     def gamma(self, v: Floats) -> Floats:
         """Strain products (n_el, points, pairs), exactly zero at the reference."""
@@ -124,13 +126,13 @@ class ElasticRod:
 
     def _material(self, v: Floats, H: Floats) -> Floats:
         """B_v^T H B_v (n_el, points, 3 vectors, 3 vectors) on the generalised vectors."""
-        n_el, points, count, _ = v.shape
+        *places, count, _ = v.shape
         i, j = self._pairs
         index = np.arange(len(i))
-        B_v = np.zeros((n_el, points, len(i), count, 3))
-        B_v[:, :, index, i] = v[:, :, j]
-        B_v[:, :, index, j] += v[:, :, i]
-        B_v = B_v.reshape(n_el, points, len(i), 3 * count)
+        B_v = np.zeros((*places, len(i), count, 3))
+        B_v[..., index, i, :] = v[..., j, :]
+        B_v[..., index, j, :] += v[..., i, :]
+        B_v = B_v.reshape(*places, len(i), 3 * count)
         return np.swapaxes(B_v, -1, -2) @ (H @ B_v)
 
     @cached_property
@@ -145,12 +147,12 @@ class ElasticRod:
         return np.asarray(np.kron(self.N, np.eye(3)), dtype=float)
 
     def _force_to_nodes(self, Q_v: Floats) -> Floats:
-        return np.matmul(self._N_stacked, Q_v.reshape(len(Q_v), -1, 3))
+        return np.matmul(self._N_stacked, Q_v.reshape(*Q_v.shape[:-3], -1, 3))
 
     def _tangent_to_nodes(self, K_v: Floats) -> Floats:
         N = self._N_components
         kinds, points, rows, size = N.shape
-        half = (K_v @ N).reshape(len(K_v), points * rows, size)
+        half = (K_v @ N).reshape(*K_v.shape[:-3], points * rows, size)
         return np.swapaxes(N.reshape(kinds, points * rows, size), -1, -2) @ half
 
 

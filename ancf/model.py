@@ -10,6 +10,7 @@ L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 a
 from __future__ import annotations
 
 import importlib
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -78,11 +79,7 @@ class Model:
 
             self.joints = Joints(scene, self.rods, first_dof)
         self.n = first_dof if self.joints is None else self.joints.end
-        # What the scene does not list is neither imported nor built.
-        self.effects: list[Effect] = []
-        for attribute, name in EFFECT_MODULES.items():
-            if getattr(scene, attribute):
-                self.effects += importlib.import_module(f"ancf.effects.{name}").build(scene, self.rods)
+        self.effects = load_effects(scene, self.rods)
         self.supports: list[NodeSupport] = [s for rod in self.rods for s in rod.node_supports()]
         self.counters = Counters()
 
@@ -191,18 +188,33 @@ class Model:
 
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
-        Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
-        flat = np.zeros(self.pattern.entries)
-        differences = self.scene.solver.tangent == "finite-difference"
+        return self.assembled(self.elastic_terms(q, q_previous), q, load_factor)
+
+    def elastic_terms(self, q: Floats, q_previous: Floats | None = None) -> list[tuple[Floats, Floats]]:
+        """Elastic force (..., n_el, nodal, 3) and tangent (..., n_el, nd, nd) of each rod at q (..., n).
+
+        With leading axes for many states at once (the analytic tangent only).
+        """
+        terms = []
         with self.counters.effect("elastic"):
-            for rod, slots in zip(self.rods, self._rod_slots, strict=True):
+            for rod in self.rods:
                 e = rod.element_vectors(q)
-                if differences:
-                    Q_e = rod.elastic.force(e)
+                if self.scene.solver.tangent == "finite-difference":
                     K_e = difference_tangent(rod.elastic.force, e, _blocks(self.unit, rod.dofs))
+                    terms.append((rod.elastic.force(e), K_e))
                 else:
                     e_previous = None if q_previous is None else rod.element_vectors(q_previous)
-                    Q_e, K_e = rod.elastic.force_and_tangent(e, e_previous)
+                    terms.append(rod.elastic.force_and_tangent(e, e_previous))
+        return terms
+
+    def assembled(
+        self, elastic: list[tuple[Floats, Floats]], q: Floats, load_factor: float
+    ) -> tuple[Residual, Floats]:
+        """`residual_and_tangent` of one state q (n,) from its elastic terms."""
+        Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
+        flat = np.zeros(self.pattern.entries)
+        with self.counters.effect_time("elastic"):
+            for rod, slots, (Q_e, K_e) in zip(self.rods, self._rod_slots, elastic, strict=True):
                 _add(Q_int, rod.dofs, Q_e)
                 flat += np.bincount(slots.ravel(), K_e.ravel(), minlength=len(flat))
         for name, effects in groupby(self.effects, key=_name):
@@ -210,7 +222,7 @@ class Model:
                 for effect in effects:
                     e = _blocks(q, effect.dofs)
                     Q_e, K_e = effect.force_and_tangent(e)
-                    if differences and K_e is not None:
+                    if K_e is not None and self.scene.solver.tangent == "finite-difference":
                         K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
                     _add(Q_ext, effect.dofs, Q_e)
                     if K_e is not None:
@@ -220,6 +232,14 @@ class Model:
         if blocks:
             flat = np.concatenate([flat, *blocks])
         return Residual(Q_int, Q_ext), flat
+
+    def under(self, scene: Scene) -> Model:
+        """The model of a scene that differs in the values of its loads only; all other arrays are shared."""
+        _ = (self.system, self._rod_slots, self.force_unit, self.q0)  # made once, shared by all copies
+        model = copy(self)
+        model.scene = scene
+        model.effects = load_effects(scene, self.rods)
+        return model
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
         """Total potential energy [J]; None when a load has none."""
@@ -313,6 +333,15 @@ class Model:
             values += list(basis[i, j])
             count += basis.shape[1]
         return sparse.csr_array((values, (rows, columns)), shape=(self.n, count))
+
+
+def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
+    """The effects of a scene: what it does not list is neither imported nor built."""
+    found: list[Effect] = []
+    for attribute, name in EFFECT_MODULES.items():
+        if getattr(scene, attribute):
+            found += importlib.import_module(f"ancf.effects.{name}").build(scene, rods)
+    return found
 
 
 def _blocks(q: Floats, dofs: NDArray[np.intp]) -> Floats:

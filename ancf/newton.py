@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
-from ancf.model import Model
+from ancf.model import Model, Residual
 
 Floats = NDArray[np.float64]
 
@@ -95,6 +95,86 @@ class NewtonResult:
         return self.outcome is Outcome.CONVERGED
 
 
+class NewtonRun:
+    """One Newton iteration under way: `advance` makes a linear step until `done`.
+
+    One linear solve is one iteration. `result` holds the last iterate whatever happens; a failure is an
+    `Outcome`. With a `border` the load factor is where it starts.
+    """
+
+    def __init__(self, model: Model, q: Floats, load_factor: float, border: Border | None = None) -> None:
+        self.model = model
+        self.border = border
+        self.q = model.admissible(q)
+        self.q_previous: Floats | None = None
+        self.load_factor = load_factor
+        self.result = NewtonResult(Outcome.TOO_MANY, self.q, load_factor, np.inf)
+        self.done = False
+        self._quiet = 0
+        if model.inside_out(self.q):
+            self.end(Outcome.INVERTED)
+
+    def end(self, outcome: Outcome) -> None:
+        """Nothing more is to be done."""
+        self.result.outcome = outcome
+        self.done = True
+
+    def advance(self, forces: Residual, flat: Floats) -> None:
+        """One linear step from the forces and the tangent at q."""
+        outcome = self._step(forces, flat)
+        if outcome is not None:
+            self.end(outcome)
+
+    def _step(self, forces: Residual, flat: Floats) -> Outcome | None:
+        """The step; its outcome, None where the iteration goes on."""
+        model, result, options = self.model, self.result, self.model.scene.solver
+        g = model.system.project(forces.at(self.load_factor))
+        if not _measure(model, result, g) or not np.isfinite(flat).all():
+            return Outcome.NOT_FINITE
+        try:
+            result.lu, result.flat = model.system.factorise(flat), flat
+        except SingularMatrixError:
+            return Outcome.SINGULAR
+        if self.border is None:
+            dq, change = model.system.solve(result.lu, -g), 0.0
+        else:
+            dq, change = self.border.step(result.lu, g, forces.Q_ext, self.q, self.load_factor)
+        step = max(model.largest_motion(dq), abs(change) / max(abs(self.load_factor), 1.0))
+        iteration = len(result.history) + 1
+        result.history.append(Iteration(self.load_factor, iteration, result.residual, step))
+        if not np.isfinite(step):
+            return Outcome.NOT_FINITE
+        lost = iteration >= PATIENCE and step > max(1.0, FALLING * result.history[-2].step)
+        if step > DIVERGED_STEP or lost:
+            return Outcome.DIVERGED
+        share = 1.0
+        while share >= SMALLEST_SHARE and model.inside_out(self.q + share * dq):
+            share *= 0.5
+        if share < SMALLEST_SHARE:
+            return Outcome.INVERTED
+        self.q_previous, self.q = self.q, self.q + share * dq
+        self.load_factor += share * change
+        noise = step <= NOISE_STEP and iteration > 1 and step > NOISE_RATIO * result.history[-2].step
+        outcome = None
+        if share == 1.0 and (step <= options.tolerance or noise):
+            outcome = self._check()
+        result.q, result.load_factor = self.q, self.load_factor
+        return outcome
+
+    def _check(self) -> Outcome | None:
+        """Converged if the residual at the new iterate agrees; stuck if it has not so often."""
+        model, result = self.model, self.result
+        assert result.flat is not None
+        result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(result.flat, self.q)
+        forces = model.residual(self.q, self.load_factor)
+        finite = _measure(model, result, model.system.project(forces.at(self.load_factor)))
+        if finite and result.residual <= max(model.scene.solver.tolerance, result.floor):
+            closed = model.joints_closed(self.q, self.load_factor)
+            return Outcome.CONVERGED if closed else Outcome.OFF_PATH
+        self._quiet += 1
+        return Outcome.STAGNATED if self._quiet == STAGNATION else None
+
+
 def newton(
     model: Model,
     q: Floats,
@@ -105,65 +185,22 @@ def newton(
 ) -> NewtonResult:
     """Solve g(q) = 0 at a load factor from the start q (n,), brought onto the supports first.
 
-    With a `border` the load factor is where it starts.
-
-    One linear solve is one iteration. Returns the last iterate whatever happened; a failure is an `Outcome`.
     `deadline` is a value of time.perf_counter().
     """
-    options = model.scene.solver
-    q = model.admissible(q)
-    result = NewtonResult(Outcome.TOO_MANY, q, load_factor, np.inf)
-    if model.inside_out(q):
-        return _ended(result, Outcome.INVERTED)
-    q_previous: Floats | None = None
-    quiet = 0
-    for iteration in range(1, max_iterations + 1):
+    run = NewtonRun(model, q, load_factor, border)
+    for _ in range(max_iterations):
+        if run.done:
+            break
         if time.perf_counter() > deadline:
-            return _ended(result, Outcome.OUT_OF_TIME)
+            run.end(Outcome.OUT_OF_TIME)
+            break
         try:
-            forces, flat = model.residual_and_tangent(q, load_factor, q_previous)
+            forces, flat = model.residual_and_tangent(run.q, run.load_factor, run.q_previous)
         except np.linalg.LinAlgError:  # a section collapsed to a line: its rotation is undefined
-            return _ended(result, Outcome.NOT_FINITE)
-        g = model.system.project(forces.at(load_factor))
-        if not _measure(model, result, g) or not np.isfinite(flat).all():
-            return _ended(result, Outcome.NOT_FINITE)
-        try:
-            result.lu, result.flat = model.system.factorise(flat), flat
-        except SingularMatrixError:
-            return _ended(result, Outcome.SINGULAR)
-        if border is None:
-            dq, change = model.system.solve(result.lu, -g), 0.0
-        else:
-            dq, change = border.step(result.lu, g, forces.Q_ext, q, load_factor)
-        step = max(model.largest_motion(dq), abs(change) / max(abs(load_factor), 1.0))
-        result.history.append(Iteration(load_factor, iteration, result.residual, step))
-        if not np.isfinite(step):
-            return _ended(result, Outcome.NOT_FINITE)
-        lost = iteration >= PATIENCE and step > max(1.0, FALLING * result.history[-2].step)
-        if step > DIVERGED_STEP or lost:
-            return _ended(result, Outcome.DIVERGED)
-        share = 1.0
-        while share >= SMALLEST_SHARE and model.inside_out(q + share * dq):
-            share *= 0.5
-        if share < SMALLEST_SHARE:
-            return _ended(result, Outcome.INVERTED)
-        q_previous, q = q, q + share * dq
-        load_factor += share * change
-        noise = step <= NOISE_STEP and iteration > 1 and step > NOISE_RATIO * result.history[-2].step
-        if share == 1.0 and (step <= options.tolerance or noise):
-            result.floor = FLOOR_FACTOR * float(np.finfo(float).eps) * model.system.row_sum(flat, q)
-            forces = model.residual(q, load_factor)
-            finite = _measure(model, result, model.system.project(forces.at(load_factor)))
-            if finite and result.residual <= max(options.tolerance, result.floor):
-                if not model.joints_closed(q, load_factor):
-                    return _ended(result, Outcome.OFF_PATH)
-                result.q, result.load_factor = q, load_factor
-                return _ended(result, Outcome.CONVERGED)
-            quiet += 1
-            if quiet == STAGNATION:
-                return _ended(result, Outcome.STAGNATED)
-        result.q, result.load_factor = q, load_factor
-    return result
+            run.end(Outcome.NOT_FINITE)
+            break
+        run.advance(forces, flat)
+    return run.result
 
 
 def _measure(model: Model, result: NewtonResult, g: Floats) -> bool:
@@ -172,8 +209,3 @@ def _measure(model: Model, result: NewtonResult, g: Floats) -> bool:
     result.worst_dof = int(np.argmax(scaled))
     result.residual = float(scaled[result.worst_dof])
     return bool(np.isfinite(result.residual))
-
-
-def _ended(result: NewtonResult, outcome: Outcome) -> NewtonResult:
-    result.outcome = outcome
-    return result

@@ -277,11 +277,11 @@ class RodModel:
         return q[self.first_dof : self.first_dof + self.size].reshape(self.q0.shape)
 
     def element_vectors(self, q: Floats) -> Floats:
-        """Nodal vectors per element (n_el, nodal, 3) in the model's coordinates q (n,)."""
-        return q[self.dofs].reshape(len(self.dofs), -1, 3)
+        """Nodal vectors per element (..., n_el, nodal, 3) in the model's coordinates q (..., n)."""
+        return q[..., self.dofs].reshape(*q.shape[:-1], len(self.dofs), -1, 3)
 
     def generalised(self, q: Floats) -> Floats:
-        """Generalised vectors v (n_el, points, generalised vectors, 3) at the axial points."""
+        """Generalised vectors v (..., n_el, points, generalised vectors, 3) at the axial points."""
         return self.elastic.generalised(self.element_vectors(q))
 
     @property

@@ -140,33 +140,39 @@ def _totals(segments: tuple[Segment, ...]) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A point moment [N m] on a section; ``value`` in SCS (BCS input is converted when the scene is read)."""
+    """A point moment [N m] on a section; ``value`` in SCS (BCS input is converted when the scene is read).
+
+    `frame` is that of the scene file, in which sweeps and sensitivities count the value.
+    """
 
     rod: str
     at: float
     value: NDArray[np.float64]
     direction: str = "fixed"
     definition: str = "section"
+    frame: str = "structure"
 
 
 @dataclass(frozen=True, eq=False)
 class Force:
-    """A point force [N] at a point (y, z) of a section."""
+    """A point force [N] at a point (y, z) of a section; ``value`` and ``frame`` as in `Moment`."""
 
     rod: str
     at: float
     value: NDArray[np.float64]
     offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
     direction: str = "fixed"
+    frame: str = "structure"
 
 
 @dataclass(frozen=True, eq=False)
 class LineLoad:
-    """A force per reference length [N/m] on the centre line of a whole rod."""
+    """A force per reference length [N/m] on the centre line of a whole rod; as in `Moment`."""
 
     rod: str
     value: NDArray[np.float64]
     direction: str = "fixed"
+    frame: str = "structure"
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,6 +251,10 @@ class Scene:
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""
+
+    def load_axes(self, load: Moment | Force | LineLoad) -> NDArray[np.float64]:
+        """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""
+        return self.rod(load.rod).base.rotation if load.frame == "body" else np.eye(3)
 
     def rod(self, name: str) -> Rod:
         """Return the rod of that name; raises KeyError for an unknown one."""

@@ -38,6 +38,7 @@ def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
         rod=rod.name,
         at=table.number("at", NUMBER, 1.0, FRACTION),
         value=_value(table, rod, MOMENT),
+        frame=_frame(table),
         direction=table.word("direction", DIRECTIONS, "fixed"),
         definition=table.word("definition", ("section", "vorticity"), "section"),
     )
@@ -64,6 +65,7 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
         rod=rod.name,
         at=at,
         value=_value(table, rod, FORCE),
+        frame=_frame(table),
         offset=offset,
         direction=table.word("direction", DIRECTIONS, "fixed"),
     )
@@ -76,6 +78,7 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
     return LineLoad(
         rod=rod.name,
         value=_value(table, rod, FORCE_PER_LENGTH),
+        frame=_frame(table),
         direction=table.word("direction", DIRECTIONS, "fixed"),
     )
 
@@ -132,10 +135,14 @@ def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
     return rods[names.index(name)]
 
 
+def _frame(table: Table) -> str:
+    return table.word("frame", ("structure", "body"), "structure")
+
+
 def _value(table: Table, rod: Rod, dimension: Dimension) -> NDArray[np.float64]:
     """Read the vector (3,) of a load and return it in SCS: A_o value for ``frame = "body"`` (paper eq. 2)."""
     value = table.vector("value", 3, dimension)
-    if table.word("frame", ("structure", "body"), "structure") == "body":
+    if _frame(table) == "body":
         with np.errstate(over="ignore"):
             value = rod.base.rotation @ value
         if not np.all(np.isfinite(value)):

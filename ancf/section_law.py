@@ -17,6 +17,7 @@ the axial weight is included everywhere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -248,6 +249,15 @@ class AlikeSections:
     axial_weight: Floats  # (m,) [m]
     terms: tuple[Term | ProjectedTerm | QuadraticTerm, ...]
 
+    def of(self, gamma: Floats) -> Floats:
+        """The products (batch times m, pairs) of these points, from all (..., n_el, points, pairs)."""
+        flat = gamma.reshape(*gamma.shape[:-3], -1, gamma.shape[-1])
+        return flat[..., self.points, :].reshape(-1, gamma.shape[-1])
+
+    def shaped(self, values: Floats, gamma: Floats) -> Floats:
+        """Values (batch times m, ...) of these points as (..., m, ...) with the batch axes of gamma."""
+        return values.reshape(*gamma.shape[:-3], len(self.points), *values.shape[1:])
+
 
 @dataclass(frozen=True)
 class QuadratureSection:
@@ -257,10 +267,9 @@ class QuadratureSection:
 
     def energy(self, gamma: Floats) -> float:
         """See `SectionLaw.energy`."""
-        flat = gamma.reshape(-1, gamma.shape[-1])
         return float(
             sum(
-                group.axial_weight @ term.energy(flat[group.points])
+                np.sum(group.axial_weight * group.shaped(term.energy(group.of(gamma)), gamma))
                 for group in self.groups
                 for term in group.terms
             )
@@ -268,45 +277,49 @@ class QuadratureSection:
 
     def resultants(self, gamma: Floats) -> Floats:
         """See `SectionLaw.resultants`."""
-        flat = gamma.reshape(-1, gamma.shape[-1])
-        T = np.empty_like(flat)
-        for group in self.groups:
-            parts = [term.resultants(flat[group.points]) for term in group.terms]
-            T[group.points] = group.axial_weight[:, None] * sum(parts)
-        return T.reshape(gamma.shape)
+        return self._summed(gamma, lambda group, term: (term.resultants(group.of(gamma)),))[0]
 
     def response(self, gamma: Floats) -> tuple[Floats, Floats]:
         """See `SectionLaw.response`."""
-        count = gamma.shape[-1]
-        flat = gamma.reshape(-1, count)
-        T, H = np.empty_like(flat), np.empty((len(flat), count, count))
-        for group in self.groups:
-            parts = [term.response(flat[group.points]) for term in group.terms]
-            T[group.points] = group.axial_weight[:, None] * sum(part[0] for part in parts)
-            H[group.points] = group.axial_weight[:, None, None] * sum(part[1] for part in parts)
-        return T.reshape(gamma.shape), H.reshape(*gamma.shape, count)
+        T, H = self._summed(gamma, lambda group, term: term.response(group.of(gamma)))
+        return T, H
 
     def predicted(self, gamma_previous: Floats, gamma: Floats) -> Floats:
         """See `SectionLaw.predicted`."""
-        previous = gamma_previous.reshape(-1, gamma.shape[-1])
-        flat = gamma.reshape(previous.shape)
-        T = np.empty_like(flat)
+        return self._summed(
+            gamma, lambda group, term: (term.predicted(group.of(gamma_previous), group.of(gamma)),)
+        )[0]
+
+    def _summed(
+        self, gamma: Floats, values: Callable[[AlikeSections, Term | ProjectedTerm | QuadraticTerm], tuple]
+    ) -> list[Floats]:
+        """Values of the terms, each an array (m, ...) a group, summed and put in place (..., points, ...)."""
+        places = gamma.shape[:-1]
+        found: list[Floats] = []
         for group in self.groups:
-            at = group.points
-            parts = [term.predicted(previous[at], flat[at]) for term in group.terms]
-            T[at] = group.axial_weight[:, None] * sum(parts)
-        return T.reshape(gamma.shape)
+            parts = [values(group, term) for term in group.terms]
+            for which, part in enumerate(zip(*parts, strict=True)):
+                total = group.shaped(np.sum(part, axis=0), gamma)
+                if which == len(found):
+                    found.append(
+                        np.empty((*places[:-2], places[-2] * places[-1], *total.shape[len(places) - 1 :]))
+                    )
+                weight = group.axial_weight.reshape(-1, *(1,) * (total.ndim - len(places) + 1))
+                found[which][(*(slice(None),) * (len(places) - 2), group.points)] = weight * total
+        return [value.reshape(*places, *value.shape[len(places) - 1 :]) for value in found]
 
     def smallest_volume(self, v: Floats) -> Floats:
         """See `SectionLaw.smallest_volume`: over the points of every rule; inf where strain alone counts."""
-        flat = v.reshape(-1, *v.shape[2:])
-        smallest = np.full(len(flat), np.inf)
+        flat = v.reshape(*v.shape[:-4], -1, *v.shape[-2:])
+        smallest = np.full(flat.shape[:-2], np.inf)
         for group in self.groups:
             for term in group.terms:
                 if isinstance(term, QuadraticTerm):
                     continue
-                # Columns of F (m, n, 3): the triple product is the determinant.
-                c_x, c_y, c_z = np.einsum("miv,nia->amnv", flat[group.points], term.weights_local)
-                determinant = np.sum(np.cross(c_x, c_y) * c_z, axis=-1).min(axis=1)
-                smallest[group.points] = np.minimum(smallest[group.points], determinant)
-        return smallest.reshape(v.shape[:2])
+                # Columns of F (..., m, n, 3): the triple product is the determinant.
+                c_x, c_y, c_z = np.einsum(
+                    "...miv,nia->a...mnv", flat[..., group.points, :, :], term.weights_local
+                )
+                determinant = np.sum(np.cross(c_x, c_y) * c_z, axis=-1).min(axis=-1)
+                smallest[..., group.points] = np.minimum(smallest[..., group.points], determinant)
+        return smallest.reshape(v.shape[:-2])

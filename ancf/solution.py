@@ -252,6 +252,16 @@ class Solution:
         """Tangent dg/dq on the free unknowns [SI units], sparse; the multipliers of joints come last."""
         return self.model.supported_tangent(self.q, self.load_factor)
 
+    def sensitivity(self, parameter: str = "moment", rod: str | None = None, index: int = 0) -> Floats:
+        """Exact derivative (12, 3) or (12,) of a tip pose [r, r_x, r_y, r_z] by a load or a number of a rod.
+
+        `parameter` is "moment", "force", "line_load" (the table `index` of the scene, in its frame),
+        "gravity", "young_modulus", "radius", "length", ...: sensitivity.py.
+        """
+        from ancf.sensitivity import sensitivity
+
+        return sensitivity(self.model, self.q, self.load_factor, parameter, rod, index)
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the nodal state to a .npz file that `ancf.resume` reads."""
         from ancf.state import save_state

@@ -89,7 +89,7 @@ def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> 
     """Newton at the full load; False when it fails, which is a cut-back."""
     result = newton(model, start, 1.0, DIRECT_ITERATIONS, deadline)
     trace.history += result.history
-    if _accept(model, trace, result, 1.0, _is_stable(model, result)):
+    if _accept(model, trace, result, 1.0, is_stable(model, result)):
         trace.status = Status.CONVERGED
         return True
     trace.cutbacks += 1
@@ -112,7 +112,7 @@ def _accept(
     return False
 
 
-def _is_stable(model: Model, result: NewtonResult) -> bool | None:
+def is_stable(model: Model, result: NewtonResult) -> bool | None:
     """Whether an equilibrium is a minimum of the potential.
 
     Loads without a potential: False for an odd number of negative eigenvalues, by the sign of the
@@ -172,7 +172,7 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             return trace
         result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS, deadline)
         trace.history += result.history
-        stable = _is_stable(model, result)
+        stable = is_stable(model, result)
         jumped = stable is False and trace.stable is not False
         # A prescribed motion may buckle a rod at any small part of it.
         shortest = BRANCH_STEP * (1.0 if model.longest_step == np.inf else target)

@@ -1,0 +1,176 @@
+"""`solve_batch`: one scene under many rows of loads, solved together; a bad row never spoils the others.
+
+Newton takes all rows at once, in one of two forms that agree to 1e-11: the NumPy kernels (batch_newton.py)
+and, where numba is installed and the scene is of its kind, one fused kernel (fused.py). A row that it leaves,
+without convergence or at an unstable equilibrium, is searched for alone, as `solve` does it.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ancf.batch_loads import BatchLoads, read_rows
+from ancf.batch_newton import solve_rows
+from ancf.errors import InputError, Message
+from ancf.failure import explain
+from ancf.model import Model
+from ancf.sensitivity import pose_map, sensitivity
+from ancf.solution import Solution, Status
+from ancf.solver import prepare
+from ancf.stepping import find_equilibrium
+
+if TYPE_CHECKING:
+    from ancf.scene import Scene
+
+Floats = NDArray[np.float64]
+
+ENGINES = ("auto", "numpy", "fused")
+
+
+@dataclass(frozen=True, eq=False)
+class BatchSolution:
+    """Equilibria of the rows of a batch; a failed row holds its last equilibrium, at `load_factor`.
+
+    `engine` names the form that was used, "numpy", "fused", or "solve" where rows are solved one by one.
+    """
+
+    loads: BatchLoads
+    model: Model
+    q: Floats  # (B, n) nodal coordinates, as `Solution.q`
+    status: NDArray[np.object_]  # (B,) of Status
+    reason: list[str]  # "" where a row converged
+    load_factor: Floats  # (B,)
+    iterations: NDArray[np.intp]  # (B,) linear solves in all
+    residual: Floats  # (B,)
+    residual_floor: Floats  # (B,)
+    engine: str
+    seconds: float
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    @property
+    def rod(self) -> str:
+        """Name of the rod whose tip the poses are: that of the first moment, or of the first force."""
+        scene = self.loads.scene
+        return (*scene.moments, *scene.forces)[0].rod
+
+    @cached_property
+    def poses(self) -> Floats:
+        """Tip poses (B, 3, 4), columns r, r_x, r_y, r_z in SCS."""
+        rod = next(rod for rod in self.model.rods if rod.rod.name == self.rod)
+        dofs, P = pose_map(rod)
+        poses = (self.q[:, dofs] @ P.T).reshape(-1, 4, 3).swapaxes(1, 2)
+        poses[:, :, 0] += rod.rod.base.position
+        return poses
+
+    def solution(self, row: int) -> Solution:
+        """The full record of one row, solved from where the batch left it."""
+        from ancf.solver import solve
+
+        return solve(self.loads.row(row), start=self.q[row])
+
+    def sensitivity(self, parameter: str = "moment", index: int = 0) -> Floats:
+        """Derivatives (B, 12, 3) or (B, 12) of the tip poses, as `Solution.sensitivity`."""
+        return np.array(
+            [
+                sensitivity(self.loads.under(self.model, row), q, factor, parameter, self.rod, index)
+                for row, (q, factor) in enumerate(zip(self.q, self.load_factor, strict=True))
+            ]
+        )
+
+
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # non-finite numbers are caught and reported
+def solve_batch(
+    scene: Scene,
+    moments: ArrayLike | None = None,
+    *,
+    forces: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    engine: str = "auto",
+) -> BatchSolution:
+    """Equilibria of one scene under many rows of loads.
+
+    Parameters
+    ----------
+    moments : (B, 3) [N m] values of the first [[moment]] of the scene, in its frame, or (B, k, 3) of all k
+    forces : (B, 3) or (B, k, 3) [N], likewise; loads that are not given keep the values of the scene
+    start : nodal coordinates (n,) or (B, n) to begin from, as `BatchSolution.q`; None finds its own starts:
+        closed form under moments, else solved neighbours in the order of the rows where they are near
+    engine : "auto", or "numpy" | "fused" to insist on a form
+
+    Returns
+    -------
+    `BatchSolution`, each row with its own status.
+
+    Raises
+    ------
+    InputError : no rows, wrong shapes, rows that are not finite, an engine that cannot take the scene.
+    SceneError : the scene cannot be meshed.
+    """
+    started = time.perf_counter()
+    loads = read_rows(scene, moments, forces)
+    model = prepare(loads.scene)
+    begin = None if start is None else _starts(start, len(loads), model)
+    chosen = _engine(model, engine)
+    deadline = started + scene.solver.max_seconds
+    q = np.tile(model.q0, (len(loads), 1))
+    status = np.full(len(loads), Status.CONVERGED, dtype=object)
+    reason, load_factor = [""] * len(loads), np.ones(len(loads))
+    iterations, residual, floor = np.zeros(len(loads), int), np.zeros(len(loads)), np.zeros(len(loads))
+    left = np.arange(len(loads))
+    if chosen != "solve":
+        found = solve_rows(model, loads, begin, deadline)
+        q, iterations, residual, floor = found.q, found.iterations, found.residual, found.floor
+        left = np.flatnonzero(~found.converged)
+    for row in left:
+        under = loads.under(model, int(row))
+        trace = find_equilibrium(under, begin[row] if chosen == "solve" and begin is not None else None)
+        q[row], status[row], load_factor[row] = trace.q, trace.status, trace.load_factor
+        residual[row], floor[row] = trace.residual, trace.floor
+        iterations[row] += len(trace.history)
+        if trace.status is not Status.CONVERGED:
+            message = explain(under, trace)
+            reason[row] = f"{message.what} {message.value}; {message.cause}"
+    seconds = time.perf_counter() - started
+    return BatchSolution(
+        loads, model, q, status, reason, load_factor, iterations, residual, floor, chosen, seconds
+    )
+
+
+def _engine(model: Model, wanted: str) -> str:
+    """The form to use; raises `InputError` when the one that is insisted on cannot take the scene."""
+    if wanted not in ENGINES:
+        _refuse(
+            "There is no such engine.",
+            f"engine = {wanted!r}",
+            f"one of {', '.join(ENGINES)}",
+            "a misspelt name",
+        )
+    stability, options = model.scene.stability, model.scene.solver
+    follows = options.method == "arclength" or (stability is not None and stability.branch == "buckled")
+    if follows or model.joints is not None or options.tangent != "analytic":
+        return "solve"
+    return "numpy"
+
+
+def _starts(start: ArrayLike, count: int, model: Model) -> Floats:
+    """Starts (B, n), checked."""
+    values = np.asarray(start, dtype=float)
+    if values.shape not in ((model.n,), (count, model.n)) or not np.isfinite(values).all():
+        _refuse(
+            "The start does not belong to this batch.", f"start, shape {values.shape}",
+            f"must be ({model.n},) or ({count}, {model.n}), and finite",
+            "rows, elements or meshes differ from those of the state",
+        )  # fmt: skip
+    return np.broadcast_to(values, (count, model.n))
+
+
+def _refuse(what: str, where: str, value: str, cause: str) -> None:
+    raise InputError(Message(what, f"solve_batch, {where}", value, cause, "see help(ancf.solve_batch)"))

@@ -1,0 +1,141 @@
+"""The rows of a batch: values of the scene's moments and forces, one row a sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ancf.errors import InputError, Message
+from ancf.model import Model
+from ancf.scene import Force, Moment, Scene
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BatchLoads:
+    """Values in SCS of all moments and forces of a scene, a row for each sample.
+
+    `scene` has loads of the largest row in place of its own: a load that acts in some rows has a node in all.
+    """
+
+    scene: Scene
+    moments: Floats  # (B, moments of the scene, 3) N m
+    forces: Floats  # (B, forces of the scene, 3) N
+
+    def __len__(self) -> int:
+        return len(self.moments)
+
+    def row(self, index: int) -> Scene:
+        """The scene of one row."""
+        return _with_values(self.scene, self.moments[index], self.forces[index])
+
+    def under(self, model: Model, index: int) -> Model:
+        """The model of one row; `model` is that of `scene`."""
+        return model.under(self.row(index))
+
+    def taken(self, rows: NDArray[np.intp]) -> BatchLoads:
+        """Some of the rows."""
+        return replace(self, moments=self.moments[rows], forces=self.forces[rows])
+
+    @cached_property
+    def dimensionless(self) -> Floats:
+        """All values of a row as one vector (B, k): moments by E I/L, forces by E I/L^2."""
+        moments = [self._unit(m) for m in self.scene.moments]
+        forces = [self._unit(f) / self.scene.rod(f.rod).length for f in self.scene.forces]
+        return np.concatenate(
+            [
+                (self.moments / np.reshape(moments, (-1, 1))).reshape(len(self), -1),
+                (self.forces / np.reshape(forces, (-1, 1))).reshape(len(self), -1),
+            ],
+            axis=1,
+        )
+
+    def _unit(self, load: Moment | Force) -> float:
+        rod = self.scene.rod(load.rod)
+        part = rod.parts[0]
+        return part.material.young_modulus * part.section.weaker_second_moment / rod.length
+
+
+def read_rows(scene: Scene, moments: ArrayLike | None, forces: ArrayLike | None) -> BatchLoads:
+    """The rows of a batch from what the caller gives (batch.py).
+
+    Raises `InputError` for no rows, a wrong shape, numbers that are not finite, or loads the scene has not.
+    """
+    if moments is None and forces is None:
+        _refuse("The batch has no rows.", "moments, forces", "neither was given", "nothing to solve for")
+    tables = {
+        "moments": None if moments is None else _values("moments", moments, scene.moments),
+        "forces": None if forces is None else _values("forces", forces, scene.forces),
+    }
+    counts = {name: len(table) for name, table in tables.items() if table is not None}
+    if len(set(counts.values())) > 1:
+        text = ", ".join(f"{count} rows of {name}" for name, count in counts.items())
+        _refuse("The rows of the loads do not match.", "moments, forces", text, "each row is one sample")
+    rows = next(iter(counts.values()))
+    filled = {}
+    for name, loads in (("moments", scene.moments), ("forces", scene.forces)):
+        values = np.tile(np.array([load.value for load in loads]).reshape(1, -1, 3), (rows, 1, 1))
+        given = tables[name]
+        if given is not None:
+            axes = [scene.load_axes(load) for load in loads[: given.shape[1]]]
+            values[:, : given.shape[1]] = np.einsum("lij,blj->bli", axes, given)
+        filled[name] = values
+    largest = [
+        values[np.argmax(np.linalg.norm(values, axis=-1), axis=0), np.arange(values.shape[1])]
+        for values in filled.values()
+    ]
+    return BatchLoads(_with_values(scene, *largest), **filled)
+
+
+def _values(name: str, given: ArrayLike, loads: tuple[Moment, ...] | tuple[Force, ...]) -> Floats:
+    """Values (B, k, 3) of the first k loads, as given, checked."""
+    kind = name[:-1]
+    if not loads:
+        _refuse(
+            f"The scene has no {kind} for the rows of a batch.", name, f"no [[{kind}]] in the scene",
+            f"a batch varies the [[{kind}]] tables of its scene", f"add a [[{kind}]] with any value",
+        )  # fmt: skip
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        _refuse(
+            f"The {name} of the batch are no numbers.", name, str(error), "rows of unequal length, or text"
+        )
+    shape = " or ".join(dict.fromkeys(("(B, 3)", f"(B, {len(loads)}, 3)")))
+    values = values[:, None] if values.ndim == 2 else values
+    if values.ndim != 3 or values.shape[-1] != 3 or values.shape[1] not in (1, len(loads)):
+        _refuse(
+            f"The {name} of the batch have the wrong shape.", name,
+            f"shape {np.shape(given)}, must be {shape}",
+            "one row a sample, three components a load; (B, 3) are rows for the first one",
+            "add the axis of rows: values[None]",
+        )  # fmt: skip
+    if len(values) == 0:
+        _refuse("The batch has no rows.", name, f"shape {np.shape(given)}", "an empty table of loads")
+    bad = np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))
+    if len(bad):
+        _refuse(
+            f"The {name} of the batch are not finite.", f"{name}[{bad[0]}]",
+            f"{values[bad[0]].tolist()} in {len(bad)} of {len(values)} rows",
+            "a division by zero or missing data where the rows were made", "remove these rows",
+        )  # fmt: skip
+    return values
+
+
+def _with_values(scene: Scene, moments: Floats, forces: Floats) -> Scene:
+    return replace(
+        scene,
+        moments=tuple(replace(m, value=value) for m, value in zip(scene.moments, moments, strict=True)),
+        forces=tuple(replace(f, value=value) for f, value in zip(scene.forces, forces, strict=True)),
+    )
+
+
+def _refuse(
+    what: str, where: str, value: str, cause: str, advice: str = "give one row for each sample"
+) -> NoReturn:
+    raise InputError(Message(what, f"solve_batch, {where}", value, cause, advice))
