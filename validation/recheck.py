@@ -24,8 +24,9 @@ from validation.kernel_measures import frame_and_gradients
 
 Floats = NDArray[np.float64]
 
-# Of a motion by a radian; what truncation leaves falls with the fourth power, what rounding leaves rises.
-STEPS = (1e-3, 1e-4, 1e-5)
+# Of a motion by a radian; what truncation leaves falls with the fourth power, what rounding leaves rises. The
+# last ones are for elements of 1e-5 of the length, which longer ones turn inside out.
+STEPS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 GOOD = 1e-8  # no smaller step is tried
 SMALL = 1e-2
 SECTION_DEGREE = 4  # of the monomials of quadratic sections times det J_0, plus one

@@ -59,6 +59,22 @@ THICK_RUBBER: dict[str, Any] = {
     "solver": {"max_seconds": SECONDS, "max_steps": 60},
 }
 
+# Counterexample to a recheck whose steps turn an element of 1e-5 of the length inside out.
+SHORT_ELEMENT: dict[str, Any] = {
+    "rod": [
+        {
+            "length": 1.0,
+            "elements": 3,
+            "section": {"shape": "circle", "radius": 0.01},
+            "material": {"law": "neo-hookean", "young_modulus": 195.6, "poisson_ratio": 0.0},
+            "supports": [{"at": 0.0}, {"at": 1.0, "kind": "pin"}],
+            "curvature": [0.0, 1.2094596825200927, -1.3650847223056093],
+        }
+    ],
+    "force": [{"value": [0.0, 0.0, 1.5363884935980344e-06], "at": 0.99999}],
+    "solver": {"max_seconds": SECONDS, "max_steps": 60},
+}
+
 
 def exponential(low: float, high: float) -> st.SearchStrategy[float]:
     """Numbers spread evenly over their magnitudes."""
@@ -185,6 +201,7 @@ def check(solution: Solution, seconds: float) -> None:
 @given(scenes())
 @example(FOLLOWER_LINE_LOAD)
 @example(THICK_RUBBER)
+@example(SHORT_ELEMENT)
 def test_random_scenes_end_as_they_must(data: dict[str, Any]):
     """No crash, no number that is not finite, no search beyond its budget, no wrong `converged`."""
     try:
