@@ -87,6 +87,15 @@ def test_all_moments_and_forces_vary_together():
         np.testing.assert_allclose(batch.poses[row, :, 0], alone.tip().position, rtol=0, atol=1e-10 * L)
 
 
+def test_a_load_that_acts_in_some_rows_has_a_node_in_all():
+    """The mesh of a batch is that of its loaded rows, wherever they stand."""
+    rows = np.array([[0, 0, 0], [0, 0, MOMENT]])
+    batch = ancf.solve_batch(scene(**moment(at=0.4)), rows)
+    alone = ancf.solve(scene(**moment(at=0.4, value=[0, 0, MOMENT])))
+    np.testing.assert_allclose(batch.poses[1, :, 0], alone.tip().position, rtol=0, atol=1e-10 * L)
+    np.testing.assert_allclose(batch.poses[0], np.eye(3, 4, 1) + [[L, 0, 0, 0], [0] * 4, [0] * 4], atol=1e-14)
+
+
 def test_a_load_that_is_not_given_keeps_its_value():
     tables = {"moment": [{"value": [0, 0, 1.0]}], "force": [{"value": [0, FORCE, 0]}]}
     batch = ancf.solve_batch(scene(**tables), np.zeros((1, 3)))

@@ -147,6 +147,9 @@ def test_rods_beside_each_other():
     solution = ancf.solve(loaded)
     assert np.abs(solution.sensitivity("moment")).max() > 0.0
     assert not solution.sensitivity("moment", rod="other").any()
+    on_the_other = replace(loaded.moments[0], rod="other")
+    solution = ancf.solve(replace(loaded, moments=(on_the_other,)))
+    assert solution.sensitivity("moment").any() and not solution.sensitivity("moment", rod="rod").any()
     with pytest.raises(ancf.InputError, match="no such rod"):
         solution.sensitivity("moment", rod="third")
 
