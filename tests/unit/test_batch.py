@@ -93,7 +93,8 @@ def test_a_load_that_acts_in_some_rows_has_a_node_in_all():
     batch = ancf.solve_batch(scene(**moment(at=0.4)), rows)
     alone = ancf.solve(scene(**moment(at=0.4, value=[0, 0, MOMENT])))
     np.testing.assert_allclose(batch.poses[1, :, 0], alone.tip().position, rtol=0, atol=1e-10 * L)
-    np.testing.assert_allclose(batch.poses[0], np.eye(3, 4, 1) + [[L, 0, 0, 0], [0] * 4, [0] * 4], atol=1e-14)
+    np.testing.assert_allclose(batch.poses[0, :, 0], [L, 0, 0], atol=1e-14)
+    np.testing.assert_allclose(batch.poses[0, :, 1:], np.eye(3), atol=1e-14)
 
 
 def test_a_load_that_is_not_given_keeps_its_value():
@@ -120,10 +121,33 @@ def test_an_unstable_row_is_left_for_the_stable_branch():
     """Beyond Euler's load a strut with a small push takes the buckled branch, as in `solve`."""
     euler = np.pi**2 / 4 * FORCE
     rows = np.array([[-1.5 * euler, 0.0, 1e-3 * FORCE]])
-    batch = ancf.solve_batch(scene(force=[{"value": [0, 0, 1.0]}]), forces=rows)
-    alone = ancf.solve(scene(force=[{"value": rows[0].tolist()}]))
+    straight = ancf.solve(scene()).q  # Newton leads from it to the unstable equilibrium, almost straight
+    batch = ancf.solve_batch(scene(**force()), forces=rows, start=straight)
     assert batch.status[0] == "converged" and abs(batch.poses[0, 2, 0]) > 0.3 * L
+    alone = ancf.solve(scene(force=[{"value": rows[0].tolist()}]))
     np.testing.assert_allclose(batch.poses[0, :, 0], alone.tip().position, rtol=0, atol=1e-9 * L)
+    assert batch.iterations[0] > alone.iterations  # what led to the unstable one is counted too
+
+
+def test_a_sweep_starts_from_its_neighbours(monkeypatch):
+    """One row in STRIDE starts from nothing; rows that are far from each other all do."""
+    cold = []
+    monkeypatch.setattr("ancf.batch_newton.load_start", lambda model, deadline: cold.append(1))
+    sweep = np.linspace(0.0, 2.0, 2 * STRIDE)[:, None] * np.array([0.0, 1.0, 0.5]) * FORCE
+    near = ancf.solve_batch(scene(**force()), forces=sweep, engine="numpy")
+    assert len(cold) == 2 and (near.status == "converged").all()
+    far = ancf.solve_batch(
+        scene(**force()), forces=(-1.0) ** np.arange(2 * STRIDE)[:, None] * sweep[-1] / 2, engine="numpy"
+    )
+    assert len(cold) > 2 and (far.status == "converged").all()
+
+
+def test_rows_that_are_solved_one_by_one_take_a_start_too():
+    template = scene({"elements": 2}, **moment(), solver={"tangent": "finite-difference"})
+    rows = np.array([[0, 0, MOMENT], [0, MOMENT, 0]])
+    batch = ancf.solve_batch(template, rows)
+    assert batch.engine == "solve" and batch.iterations.min() > 2
+    assert ancf.solve_batch(template, rows, start=batch.q).iterations.max() <= 2
 
 
 def test_warm_starts_save_iterations():
