@@ -8,7 +8,7 @@ from validation.criteria import Limit
 from validation.hard_case import HardCase
 
 EPS = 2.220446049250313e-16  # of float64
-DRIFT = 1e-9  # of the length: required by the issue
+DRIFT = 1e-9  # of the length: so that digits beyond those of a drawing agree
 
 # Finite strain of Saint Venant-Kirchhoff turns a rod further than a thin one by 1.375 (kappa R)^2 (theory.md
 # 2); the tip of a full circle then misses its base by about as many rod lengths.

@@ -13,7 +13,7 @@ from ancf.newton import Iteration
 from validation.criteria import Finding, Verdict
 from validation.hard_buckling import WAITING
 from validation.hard_cases import HardResult
-from validation.hard_limits import MEASURES, WALKED, Measure
+from validation.hard_limits import DRIFT, MEASURES, WALKED, Measure
 from validation.report.history_plot import history_plot
 from validation.report.matrix import slug
 from validation.report.numbers import NOTHING, compact, number
@@ -70,6 +70,7 @@ def chapter(results: Sequence[HardResult]) -> dict[str, Any]:
         "passed": sum(r.verdict is not Verdict.FAIL for r in results),
         "total": len(results),
         "worst": _worst_drift(results),
+        "wider": _wider_drifts(results),
     }
 
 
@@ -150,6 +151,15 @@ def _runs(values: list[str]) -> list[tuple[str, int]]:
         else:
             found.append((value, 1))
     return found
+
+
+def _wider_drifts(results: Sequence[HardResult]) -> list[str]:
+    """Cases whose limit of a drift is wider than that of all."""
+    return [
+        r.case.name
+        for r in results
+        if any(limit.quantity.startswith("drift") and limit.value > DRIFT for limit in r.case.limits)
+    ]
 
 
 def _worst_drift(results: Sequence[HardResult]) -> Markup | None:
