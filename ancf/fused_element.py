@@ -1,0 +1,202 @@
+r"""Elastic force and tangent of one element for several samples at once (energy.py, section_energy.py).
+
+With the tables of fused_tables.py, at each axial point of an element with nodal vectors e:
+
+    v = N e,   gamma_p = v_i . v_j - v0_i . v0_j,   T = H gamma,   Q = N^T (S v),   S_ij = T_ij, 2 T_ii,
+    K = N^T (B^T H B + S~ (x) I) N,   T~ = T - H delta,   delta_p = dv_i . dv_j.
+
+T~ is the stress that the last linear step dv predicted (mixed integration point): v_o . v + v . v_o - v_o . v_o
+= v . v - dv . dv with v_o = v - dv, so no stress is stored.
+
+Symbols
+-------
+x, dx    coordinates and last step of the whole rod (n,);  G its right-hand side, minus the residual
+E, dE    the same of the element, in front order, positions relative to the first node
+V, dV    generalised vectors;  gamma, T products and stress;  S resultants by pair, doubled on the diagonal
+U, K_v   vectors u and blocks on the generalised vectors, K_N = K_v N of all points;  front: K of the element
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from ancf.fused_blocks import (
+    block,
+    block_plus_scaled,
+    cross,
+    dot,
+    inlined,
+    minus,
+    plus_outer,
+    plus_scaled,
+    put_block,
+    put_vector,
+    transposed,
+    vector,
+)
+
+
+@inlined
+def element_vectors(E, x, dofs, relative, anchor):
+    """Nodal vectors of an element, positions relative to its first node."""
+    origin = vector(x, dofs[anchor])
+    for n in range(len(dofs)):
+        e = vector(x, dofs[n])
+        put_vector(E, 3 * n, minus(e, origin) if relative[n] else e)
+
+
+@inlined
+def generalised(V, E, N, start, at):
+    """v_a = sum_n N_an e_n at one point."""
+    for a in range(len(start) - 1):
+        first = start[a]
+        v = vector(E, 3 * at[first])
+        c = N[a, at[first]]
+        v = (c * v[0], c * v[1], c * v[2])
+        for k in range(first + 1, start[a + 1]):
+            v = plus_scaled(v, N[a, at[k]], vector(E, 3 * at[k]))
+        put_vector(V, 3 * a, v)
+
+
+@inlined
+def stress(T, gamma, H, start, at):
+    """T_p = sum_q H_pq gamma_q."""
+    for p in range(len(start) - 1):
+        first = start[p]
+        t = H[first] * gamma[at[first]]
+        for k in range(first + 1, start[p + 1]):
+            t = t + H[k] * gamma[at[k]]
+        T[p] = t
+
+
+@inlined
+def products(gamma, V, i, j, products0):
+    """gamma_p = v_i . v_j - v0_i . v0_j."""
+    for p in range(len(i)):
+        gamma[p] = dot(vector(V, 3 * i[p]), vector(V, 3 * j[p])) - products0[p]
+
+
+@inlined
+def subtract_force(G, V, Q, T, tables, N, dofs):
+    """G -= N^T (S v); Q is scratch for S v."""
+    g = len(tables.pair)
+    for a in range(g):
+        va = vector(V, 3 * a)
+        c = 2.0 * T[tables.pair[a, a]]
+        q = (c * va[0], c * va[1], c * va[2])
+        for b in range(g):
+            if b != a:
+                q = plus_scaled(q, T[tables.pair[a, b]], vector(V, 3 * b))
+        put_vector(Q, 3 * a, q)
+    start, at = tables.column_start, tables.column_at
+    for n in range(len(dofs)):
+        f = vector(G, dofs[n])
+        for k in range(start[n], start[n + 1]):
+            f = plus_scaled(f, -N[at[k], n], vector(Q, 3 * at[k]))
+        put_vector(G, dofs[n], f)
+
+
+@inlined
+def stress_vectors(U, V, start, at, coefficient):
+    """u = sum_c coefficient_c v_c."""
+    for k in range(len(start) - 1):
+        first = start[k]
+        v, c = vector(V, 3 * at[first]), coefficient[first]
+        u = (c * v[0], c * v[1], c * v[2])
+        for entry in range(first + 1, start[k + 1]):
+            u = plus_scaled(u, coefficient[entry], vector(V, 3 * at[entry]))
+        put_vector(U, 3 * k, u)
+
+
+@inlined
+def blocks(K_v, U, V, T, tables):
+    """K_ab = sum_d u_(a,bd) v_d^T + S_ab I, and K_ba = K_ab^T."""
+    g = len(tables.pair)
+    start = tables.K_start
+    for p in range(len(start) - 1):
+        a, b = tables.i[p], tables.j[p]
+        t = T[p]
+        s = t + t if a == b else t
+        zero = t - t
+        A = (s, zero, zero, zero, s, zero, zero, zero, s)
+        for entry in range(start[p], start[p + 1]):
+            A = plus_outer(A, vector(U, 3 * tables.K_u[entry]), vector(V, 3 * tables.K_vector[entry]))
+        put_block(K_v, 9 * (a * g + b), A)
+        if a != b:
+            put_block(K_v, 9 * (b * g + a), transposed(A))
+
+
+@inlined
+def half(K_N, K_v, N, tables, active, count, m):
+    """K_N = K_v N at one point, for the unknowns of the element."""
+    g = len(tables.pair)
+    start, at = tables.column_start, tables.column_at
+    for a in range(g):
+        for place in range(count):
+            n = active[place]
+            first = start[n]
+            B = block(K_v, 9 * (a * g + at[first]))
+            c = N[at[first], n]
+            B = (c * B[0], c * B[1], c * B[2], c * B[3], c * B[4], c * B[5], c * B[6], c * B[7], c * B[8])
+            for k in range(first + 1, start[n + 1]):
+                B = block_plus_scaled(B, N[at[k], n], block(K_v, 9 * (a * g + at[k])))
+            put_block(K_N, 9 * (a * m + n), B)
+
+
+@inlined
+def assemble(front, K_N, N, tables, active, count, m):
+    """front_ij += sum_a N_ai (K_v N)_aj, for i before j."""
+    start, at = tables.column_start, tables.column_at
+    for row in range(count):
+        i = active[row]
+        for column in range(row, count):
+            j = active[column]
+            A = block(front, 9 * (i * m + j))
+            for k in range(start[i], start[i + 1]):
+                A = block_plus_scaled(A, N[at[k], i], block(K_N, 9 * (at[k] * m + j)))
+            put_block(front, 9 * (i * m + j), A)
+
+
+@njit(nogil=True)
+def element_force(G, x, e, mesh, tables, w, smallest):
+    """Subtract the elastic force of element e from G.
+
+    Returns the smaller of `smallest` and det [r_x r_y r_z] at its axial points.
+    """
+    dofs, kind = mesh.dofs[e], mesh.kind[e]
+    element_vectors(w.E, x, dofs, mesh.relative, mesh.anchor)
+    r_x, r_y, r_z = tables.normal
+    for point in range(tables.N.shape[1]):
+        N = tables.N[kind, point]
+        generalised(w.V, w.E, N, tables.row_start, tables.row_at)
+        products(w.gamma, w.V, tables.i, tables.j, tables.products0[kind, point])
+        stress(w.T, w.gamma, tables.H[kind, point], tables.H_start, tables.H_at)
+        subtract_force(G, w.V, w.U, w.T, tables, N, dofs)
+        area = cross(vector(w.V, 3 * r_y), vector(w.V, 3 * r_z))
+        smallest = min(dot(vector(w.V, 3 * r_x), area), smallest)
+    return smallest
+
+
+@njit(nogil=True)
+def element_tangent(front, G, x, dx, e, mesh, tables, w):
+    """Subtract the elastic force of element e from G and put its tangent into the upper half of `front`."""
+    dofs, kind, m = mesh.dofs[e], mesh.kind[e], len(mesh.relative)
+    active, count = mesh.active[e], mesh.counts[e, 1]
+    element_vectors(w.E, x, dofs, mesh.relative, mesh.anchor)
+    element_vectors(w.dE, dx, dofs, mesh.relative, mesh.anchor)
+    for k in range(9 * m * m):
+        front[k] = 0.0
+    for point in range(tables.N.shape[1]):
+        N = tables.N[kind, point]
+        generalised(w.V, w.E, N, tables.row_start, tables.row_at)
+        generalised(w.dV, w.dE, N, tables.row_start, tables.row_at)
+        products(w.gamma, w.V, tables.i, tables.j, tables.products0[kind, point])
+        stress(w.T, w.gamma, tables.H[kind, point], tables.H_start, tables.H_at)
+        subtract_force(G, w.V, w.U, w.T, tables, N, dofs)
+        for p in range(len(tables.i)):
+            w.gamma[p] = w.gamma[p] - dot(vector(w.dV, 3 * tables.i[p]), vector(w.dV, 3 * tables.j[p]))
+        stress(w.T, w.gamma, tables.H[kind, point], tables.H_start, tables.H_at)
+        stress_vectors(w.U, w.V, tables.u_start, tables.u_vector, tables.u[kind, point])
+        blocks(w.K_v, w.U, w.V, w.T, tables)
+        half(w.K_N, w.K_v, N, tables, active, count, m)
+        assemble(front, w.K_N, N, tables, active, count, m)
