@@ -110,6 +110,7 @@ class Rows(NamedTuple):
     dV: int
     gamma: int
     T: int
+    Q: int
     U: int
     K_v: int
     K_N: int
@@ -253,7 +254,7 @@ def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTa
     """Rows that each field needs."""
     elements, m = mesh.dofs.shape
     nv = loads.turning_shape.shape[1]
-    pairs, g = len(elastic.i), len(elastic.pair)
+    pairs, points, g = len(elastic.i), *elastic.N.shape[1:3]
     pivots = m - nv
     return Rows(
         x=model.n,
@@ -269,9 +270,10 @@ def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTa
         dV=3 * g,
         gamma=pairs,
         T=pairs,
-        U=3 * max(len(elastic.u_start) - 1, g),
-        K_v=9 * g * g,
-        K_N=9 * g * m,
+        Q=3 * points * g,
+        U=3 * (len(elastic.u_start) - 1),
+        K_v=9 * pairs,
+        K_N=9 * points * g * m,
         front=9 * m * m,
         carry=9 * nv * nv,
         W=9 * elements * pivots * m,
@@ -310,5 +312,3 @@ def _floor(model: Model) -> float:
 
 
 __all__ = ["RowsResult", "solve_rows", "unsupported"]
-
-

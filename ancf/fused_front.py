@@ -4,7 +4,8 @@ With the pivot block D = A_kk, its rows W_kj = D^-1 A_kj and y_k = D^-1 g_k,
 
     A_ij -= A_ik W_kj,   g_i -= A_ik y_k;     backwards   x_k = y_k - sum_j>k W_kj x_j.
 
-Only the upper half is touched where the front is symmetric (A_ik = A_ki^T). There is no pivoting: an elastic
+Row by row: a block gathers its share of the element and of all pivots before it in registers, and is stored
+once. Only the upper half is touched where the front is symmetric (A_ik = A_ki^T). There is no pivoting: an elastic
 tangent with all its unknowns has pivots of the size of its stiffness, and a sample whose pivot vanishes fails
 alone. The tangent of a moment is unsymmetric: from its node on, whole fronts are eliminated.
 """
@@ -15,6 +16,8 @@ from numba import njit
 
 from ancf.fused_blocks import (
     block,
+    block_plus,
+    inlined,
     inverse,
     minus_product,
     minus_times_vector,
@@ -25,43 +28,86 @@ from ancf.fused_blocks import (
     transposed,
     vector,
 )
+from ancf.fused_element import element_block
 
 
-@njit(nogil=True)
-def mirror(A, active, count, m):
-    """Fill the lower half of a front from the upper."""
-    for row in range(count):
-        i = active[row]
-        for column in range(row):
+@inlined
+def _eliminated(A, W, block_ij, i, j, active, steps, m, symmetric):
+    """A_ij - sum_k A_ik W_kj over the first pivots."""
+    for step in range(steps):
+        k = active[step]
+        B = transposed(block(A, 9 * (k * m + i))) if symmetric else block(A, 9 * (i * m + k))
+        block_ij = minus_product(block_ij, B, block(W, 9 * (k * m + j)))
+    return block_ij
+
+
+@inlined
+def _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric):
+    """Right-hand side of a row whose blocks are eliminated; W and y where it is a pivot."""
+    i = active[row]
+    g_i = vector(g, dofs[i])
+    for step in range(min(row, pivots)):
+        k = active[step]
+        B = transposed(block(A, 9 * (k * m + i))) if symmetric else block(A, 9 * (i * m + k))
+        g_i = minus_times_vector(g_i, B, vector(y, dofs[k]))
+    put_vector(g, dofs[i], g_i)
+    if row < pivots:
+        D = inverse(block(A, 9 * (i * m + i)))
+        put_vector(y, dofs[i], times_vector(D, g_i))
+        for column in range(row + 1, count):
             j = active[column]
-            put_block(A, 9 * (i * m + j), transposed(block(A, 9 * (j * m + i))))
+            put_block(W, 9 * (i * m + j), product(D, block(A, 9 * (i * m + j))))
 
 
 @njit(nogil=True)
-def eliminate(A, g, W, y, dofs, active, pivots, count, m, symmetric):
-    """Eliminate the first `pivots` of the `count` unknown vectors listed in `active` from a front.
+def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots, count, nv, symmetric):
+    """Assemble the front of an element and eliminate its first `pivots` unknown vectors.
 
     Parameters
     ----------
-    A : front of m x m blocks;  g : right-hand side of the whole rod, at `dofs` of the front places
+    A : front of m x m blocks, scratch;  K_N, N, start, at : the element's tangent (`element_block`)
+    carry : what earlier elements left on the first node
+    g : right-hand side of the whole rod, at `dofs` of the front places
     W : receives W_kj at block k m + j;  y : receives y_k at `dofs`
+    active : the `count` front places that are unknowns
     """
-    for step in range(pivots):
-        k = active[step]
-        D = inverse(block(A, 9 * (k * m + k)))
-        y_k = times_vector(D, vector(g, dofs[k]))
-        put_vector(y, dofs[k], y_k)
-        for column in range(step + 1, count):
+    m = N.shape[2]
+    node = m - 2 * nv
+    for row in range(count):
+        i = active[row]
+        for column in range(row if symmetric else 0, count):
             j = active[column]
-            put_block(W, 9 * (k * m + j), product(D, block(A, 9 * (k * m + j))))
-        for row in range(step + 1, count):
-            i = active[row]
-            B = transposed(block(A, 9 * (k * m + i))) if symmetric else block(A, 9 * (i * m + k))
-            put_vector(g, dofs[i], minus_times_vector(vector(g, dofs[i]), B, y_k))
-            for column in range(row if symmetric else step + 1, count):
-                j = active[column]
-                at = 9 * (i * m + j)
-                put_block(A, at, minus_product(block(A, at), B, block(W, 9 * (k * m + j))))
+            B = element_block(K_N, N, i, j, start, at)
+            if node <= i < node + nv and node <= j < node + nv:
+                B = block_plus(B, block(carry, 9 * ((i - node) * nv + j - node)))
+            B = _eliminated(A, W, B, i, j, active, min(row, column, pivots), m, symmetric)
+            put_block(A, 9 * (i * m + j), B)
+        _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric)
+
+
+@njit(nogil=True)
+def eliminate(A, g, W, y, dofs, active, pivots, count, m):
+    """Eliminate the first `pivots` unknown vectors from a front that is assembled already, symmetric or not."""
+    for row in range(count):
+        i = active[row]
+        for column in range(count):
+            j = active[column]
+            at = 9 * (i * m + j)
+            steps = min(row, column, pivots)
+            put_block(A, at, _eliminated(A, W, block(A, at), i, j, active, steps, m, False))
+        _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, False)
+
+
+@njit(nogil=True)
+def assemble(A, K_N, N, start, at, active, count):
+    """Fill the whole front of an element."""
+    m = N.shape[2]
+    for k in range(9 * m * m):
+        A[k] = 0.0
+    for row in range(count):
+        for column in range(count):
+            i, j = active[row], active[column]
+            put_block(A, 9 * (i * m + j), element_block(K_N, N, i, j, start, at))
 
 
 @njit(nogil=True)
@@ -77,14 +123,12 @@ def substitute(W, x, dofs, active, pivots, count, m):
 
 
 @njit(nogil=True)
-def take_carry(A, carry, place, nv, m, symmetric):
-    """Add what earlier elements left on a node, nv x nv blocks, to the front from `place` on."""
+def take_carry(A, carry, node, nv, m):
+    """Add what earlier elements left on a node, nv x nv blocks, to a whole front."""
     for r in range(nv):
-        for s in range(r if symmetric else 0, nv):
-            at = 9 * ((place + r) * m + place + s)
-            source = 9 * (r * nv + s)
-            for k in range(9):
-                A[at + k] = A[at + k] + carry[source + k]
+        for s in range(nv):
+            at = 9 * ((node + r) * m + node + s)
+            put_block(A, at, block_plus(block(A, at), block(carry, 9 * (r * nv + s))))
 
 
 @njit(nogil=True)

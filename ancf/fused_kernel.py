@@ -21,9 +21,10 @@ from numba import njit
 
 from ancf.fused_element import element_force, element_tangent
 from ancf.fused_front import (
+    assemble,
     eliminate,
+    eliminate_element,
     leave_carry,
-    mirror,
     project,
     project_vector,
     substitute,
@@ -57,6 +58,7 @@ class Scratch(NamedTuple):
     dV: object
     gamma: object
     T: object
+    Q: object
     U: object
     K_v: object
     K_N: object
@@ -85,6 +87,7 @@ def scratch(memory, at, width):
         rows_from(a, at.dV),
         rows_from(a, at.gamma),
         rows_from(a, at.T),
+        rows_from(a, at.Q),
         rows_from(a, at.U),
         rows_from(a, at.K_v),
         rows_from(a, at.K_N),
@@ -113,25 +116,42 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
     for e in range(elements):
         dofs, active = mesh.dofs[e], mesh.active[e]
         eliminated, count = mesh.counts[e]
-        element_tangent(w.front, w.g, w.x, w.dx, e, mesh, elastic, w)
-        if not symmetric:
-            mirror(w.front, active, count, m)
-        while projector < len(projectors.element) and projectors.element[projector] == e:
-            if symmetric:
-                mirror(w.front, active, count, m)
-            P, place = projectors.P[projector], projectors.place[projector]
-            project(w.front, P, place, nv, m, projectors.first[projector], w.node)
-            project_vector(w.g, projectors.dof[projector], P, w.node)
-            projector += 1
-        take_carry(w.front, w.carry, pivots - nv, nv, m, symmetric)
-        W = rows_from(w.W, 9 * e * pivots * m)
-        eliminate(w.front, w.g, W, w.dx, dofs, active, eliminated, count, m, symmetric)
+        element_tangent(w.g, w.x, w.dx, e, mesh, elastic, w)
+        N, W = elastic.N[mesh.kind[e]], rows_from(w.W, 9 * e * pivots * m)
+        start, at = elastic.column_start, elastic.column_at
+        if projector == len(projectors.element) or projectors.element[projector] > e:
+            eliminate_element(
+                w.front,
+                w.K_N,
+                N,
+                start,
+                at,
+                w.carry,
+                w.g,
+                W,
+                w.dx,
+                dofs,
+                active,
+                eliminated,
+                count,
+                nv,
+                symmetric,
+            )
+        else:
+            assemble(w.front, w.K_N, N, start, at, active, count)
+            while projector < len(projectors.element) and projectors.element[projector] == e:
+                P, node = projectors.P[projector], projectors.place[projector]
+                project(w.front, P, node, nv, m, projectors.first[projector], w.node)
+                project_vector(w.g, projectors.dof[projector], P, w.node)
+                projector += 1
+            take_carry(w.front, w.carry, pivots - nv, nv, m)
+            eliminate(w.front, w.g, W, w.dx, dofs, active, eliminated, count, m)
         leave_carry(w.carry, w.front, pivots, nv, m, symmetric)
         if loads.at[e + 1] >= 0:
             section_load(w.g, w.carry, w.x, dofs[pivots], nv, loads.at[e + 1], loads, w, True)
             symmetric = False
     end = mesh.dofs[elements - 1, pivots:]
-    eliminate(w.carry, w.g, w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv, False)
+    eliminate(w.carry, w.g, w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     substitute(w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     for e in range(elements - 1, -1, -1):
         W = rows_from(w.W, 9 * e * pivots * m)
