@@ -8,7 +8,11 @@ from __future__ import annotations
 
 from numba import njit
 
-inlined = njit(forceinline=True, nogil=True)
+# Called from compiled code only: no wrappers, which take longer to compile than the functions.
+compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+inlined = njit(
+    nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
+)
 
 
 @inlined

@@ -18,12 +18,11 @@ U, K_v   vectors u and blocks on the generalised vectors, K_N = K_v N of all poi
 
 from __future__ import annotations
 
-from numba import njit
-
 from ancf.fused_blocks import (
     block,
     block_plus_scaled,
     block_scaled,
+    compiled,
     cross,
     dot,
     inlined,
@@ -162,7 +161,7 @@ def element_block(K_N, N, i, j, start, at):
     return A
 
 
-@njit(nogil=True)
+@compiled
 def element_force(G, x, e, mesh, tables, w, smallest):
     """Subtract the elastic force of element e from G.
 
@@ -182,7 +181,7 @@ def element_force(G, x, e, mesh, tables, w, smallest):
     return smallest
 
 
-@njit(nogil=True)
+@compiled
 def element_tangent(G, x, dx, e, mesh, tables, w):
     """Subtract the elastic force of element e from G and leave K_v N of its points in w.K_N."""
     dofs, kind, g = mesh.dofs[e], mesh.kind[e], len(tables.pair)

@@ -12,11 +12,10 @@ alone. The tangent of a moment is unsymmetric: from its node on, whole fronts ar
 
 from __future__ import annotations
 
-from numba import njit
-
 from ancf.fused_blocks import (
     block,
     block_plus,
+    compiled,
     inlined,
     inverse,
     minus_product,
@@ -59,7 +58,7 @@ def _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric):
             put_block(W, 9 * (i * m + j), product(D, block(A, 9 * (i * m + j))))
 
 
-@njit(nogil=True)
+@compiled
 def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots, count, nv, symmetric):
     """Assemble the front of an element and eliminate its first `pivots` unknown vectors.
 
@@ -85,7 +84,7 @@ def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots
         _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric)
 
 
-@njit(nogil=True)
+@compiled
 def eliminate(A, g, W, y, dofs, active, pivots, count, m):
     """Eliminate the first `pivots` unknown vectors from a front that is assembled already, symmetric or not."""
     for row in range(count):
@@ -98,7 +97,7 @@ def eliminate(A, g, W, y, dofs, active, pivots, count, m):
         _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, False)
 
 
-@njit(nogil=True)
+@compiled
 def assemble(A, K_N, N, start, at, active, count):
     """Fill the whole front of an element."""
     m = N.shape[2]
@@ -110,7 +109,7 @@ def assemble(A, K_N, N, start, at, active, count):
             put_block(A, 9 * (i * m + j), element_block(K_N, N, i, j, start, at))
 
 
-@njit(nogil=True)
+@compiled
 def substitute(W, x, dofs, active, pivots, count, m):
     """x_k = y_k - sum_j>k W_kj x_j for the pivots of one front, last first; x holds y before."""
     for step in range(pivots - 1, -1, -1):
@@ -122,7 +121,7 @@ def substitute(W, x, dofs, active, pivots, count, m):
         put_vector(x, dofs[k], x_k)
 
 
-@njit(nogil=True)
+@compiled
 def take_carry(A, carry, node, nv, m):
     """Add what earlier elements left on a node, nv x nv blocks, to a whole front."""
     for r in range(nv):
@@ -131,7 +130,7 @@ def take_carry(A, carry, node, nv, m):
             put_block(A, at, block_plus(block(A, at), block(carry, 9 * (r * nv + s))))
 
 
-@njit(nogil=True)
+@compiled
 def leave_carry(carry, A, place, nv, m, symmetric):
     """Copy what an element leaves on its last node, as a whole matrix."""
     for r in range(nv):
@@ -142,7 +141,7 @@ def leave_carry(carry, A, place, nv, m, symmetric):
                 put_block(carry, 9 * (s * nv + r), transposed(B))
 
 
-@njit(nogil=True)
+@compiled
 def project(A, P, place, nv, m, first, scratch):
     """P A P on the rows and columns of one node of a whole front.
 
@@ -165,7 +164,7 @@ def project(A, P, place, nv, m, first, scratch):
                 A[at] = A[at] + ((1.0 if r == s else 0.0) - P[r, s])
 
 
-@njit(nogil=True)
+@compiled
 def project_vector(g, dof, P, scratch):
     """P g on one node."""
     for s in range(len(P)):
@@ -177,7 +176,7 @@ def project_vector(g, dof, P, scratch):
         g[dof + r] = total
 
 
-@njit(nogil=True)
+@compiled
 def _entry(m, row, column):
     """Place of a scalar entry of a front stored in blocks."""
     return 9 * ((row // 3) * m + column // 3) + 3 * (row % 3) + column % 3

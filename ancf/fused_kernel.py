@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from ancf.fused_blocks import compiled
 from ancf.fused_element import element_force, element_tangent
 from ancf.fused_front import (
     assemble,
@@ -69,7 +70,7 @@ class Scratch(NamedTuple):
     node: object
 
 
-@njit(nogil=True)
+@compiled
 def scratch(memory, at, width):
     """Lane arrays at their rows of the memory."""
     a = as_lanes(memory, width)
@@ -99,7 +100,7 @@ def scratch(memory, at, width):
     )
 
 
-@njit(nogil=True)
+@compiled
 def newton_step(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, then dx = K^-1 g with the mixed-integration-point tangent after a step dx."""
     elements, m = mesh.dofs.shape
@@ -158,7 +159,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
         substitute(W, w.dx, mesh.dofs[e], mesh.active[e], mesh.counts[e, 0], mesh.counts[e, 1], m)
 
 
-@njit(nogil=True)
+@compiled
 def right_hand_side(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, on what the supports leave free; returns the smallest det [r_x r_y r_z]."""
     elements, m = mesh.dofs.shape
@@ -177,7 +178,7 @@ def right_hand_side(w, mesh, elastic, projectors, loads, nv):
     return smallest
 
 
-@njit(nogil=True)
+@compiled
 def begin(lane, row, memory, at, problem, loads, start, values):
     """Give a lane a sample: its loads and where it starts."""
     x = memory[at.x : at.x + len(start.x0)]
@@ -221,7 +222,7 @@ def begin(lane, row, memory, at, problem, loads, start, values):
         bend(x, lane, fixed, turning, start, values.frames, values.carried, values.scratch)
 
 
-@njit(nogil=True)
+@compiled
 def rest(lane, memory, at, start):
     """Leave a lane without a sample at the unloaded reference."""
     memory[:, lane] = 0.0
@@ -229,7 +230,7 @@ def rest(lane, memory, at, start):
         memory[at.x + k, lane] = start.x0[k]
 
 
-@njit(nogil=True)
+@compiled
 def largest(memory, first, free, lane):
     """Largest |component| of the vectors that are free; infinite where one is not finite."""
     found = 0.0
@@ -243,7 +244,7 @@ def largest(memory, first, free, lane):
     return found
 
 
-@njit(nogil=True, cache=True)
+@njit(nogil=True, cache=True, error_model="numpy")
 def solve(problem, found, mesh, elastic, projectors, loads, start, at, values, memory, width):
     """Solve all samples of a batch.
 
@@ -324,7 +325,7 @@ def solve(problem, found, mesh, elastic, projectors, loads, start, at, values, m
                     rest(lane, memory, at, start)
 
 
-@njit(nogil=True)
+@compiled
 def finish(lane, converged, residual, sample, found, memory, at, iteration):
     """Write out the sample of a lane; returns the change of the number of busy lanes."""
     row = sample[lane]

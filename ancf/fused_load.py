@@ -19,9 +19,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from ancf.fused_blocks import (
+    compiled,
     cross,
     dot,
     inlined,
@@ -65,7 +64,7 @@ def _rotated(s, a):
     return plus_scaled(plus_scaled(scaled(a[0], s[4]), a[1], s[2]), a[2], s[3])
 
 
-@njit(nogil=True)
+@compiled
 def section_load(G, K, x, dof, nv, load, tables, w, tangent):
     """Add the loads on one section to G and, if `tangent`, subtract dQ/dd from the node's matrix K (nv x nv)."""
     director, I = tables.director, tables.I[load]

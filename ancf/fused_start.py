@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from ancf.fused_blocks import compiled
 
 WORTHLESS_TURN = 1e3  # rad
 ROUNDS = 3  # of following moments
 SMALL_ANGLE2 = 1e-8  # rad^2; the next terms of the series are 1e-18
 
 
-@njit(nogil=True)
+@compiled
 def _turn(E, v):
     """E = Exp(v), Rodrigues."""
     x, y, z = v[0], v[1], v[2]
@@ -36,7 +36,7 @@ def _turn(E, v):
     E[2, 0], E[2, 1], E[2, 2] = b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)
 
 
-@njit(nogil=True)
+@compiled
 def _product(C, A, B):
     """C = A B for (3, 3)."""
     for i in range(3):
@@ -44,7 +44,7 @@ def _product(C, A, B):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
 
 
-@njit(nogil=True)
+@compiled
 def _curvature(k, R, M, C, k_0):
     """k = k_0 + C R^T M."""
     for a in range(3):
@@ -55,7 +55,7 @@ def _curvature(k, R, M, C, k_0):
             k[a] += C[a, b] * m
 
 
-@njit(nogil=True)
+@compiled
 def _carry(carried, fixed, turning, load_node, frames):
     """Moment in every interval: all those beyond it, following ones turned by the frames of their sections."""
     carried[:] = 0.0
@@ -68,7 +68,7 @@ def _carry(carried, fixed, turning, load_node, frames):
                 carried[i, a] += total
 
 
-@njit(nogil=True)
+@compiled
 def _integrate(frames, x, lane, carried, tables, k, E, middle):
     """Section frames from the first node on, and positions into one column of x."""
     per_node = 3 * tables.local.shape[1]
@@ -93,7 +93,7 @@ def _integrate(frames, x, lane, carried, tables, k, E, middle):
             x[at + per_node + a, lane] = x[at + a, lane] + chord * middle[a, 0]
 
 
-@njit(nogil=True)
+@compiled
 def bend(x, lane, fixed, turning, tables, frames, carried, scratch):
     """Write the start into one column of x (n, lanes).
 
