@@ -79,19 +79,20 @@ class Found(NamedTuple):
     iterations: NDArray[np.int64]
 
 
-class Values(NamedTuple):
-    """State of the lanes, and scratch of the start."""
+class Lanes(NamedTuple):
+    """State of the lanes (lanes,), and scratch of the start."""
 
     sample: NDArray[np.int64]
+    status: NDArray[np.int64]
     iteration: NDArray[np.int64]
-    quiet: NDArray[np.int64]
-    step_before: Floats
-    candidate: NDArray[np.bool_]
-    fixed: Floats
-    turning: Floats
-    frames: Floats
-    carried: Floats
-    scratch: Floats
+    quiet: NDArray[np.int64]  # candidates that had too large a residual
+    step: Floats
+    residual: Floats
+    fixed: Floats  # (loads, 3)
+    turning: Floats  # (loads, 3)
+    frames: Floats  # (n_nodes, 3, 3)
+    carried: Floats  # (n_nodes - 1, 3)
+    scratch: Floats  # (3, 3, 3)
 
 
 class Rows(NamedTuple):
@@ -130,7 +131,7 @@ class Tables(NamedTuple):
     loads: LoadTables
     start: StartTables
     at: Rows
-    values: Values
+    state: Lanes
     memory: Floats
     floor: float
 
@@ -205,7 +206,7 @@ def solve_rows(
         max_iterations,
     )
     found = Found(np.empty((rows, model.n)), np.zeros(rows, bool), np.empty(rows), np.zeros(rows, np.int64))
-    solve(problem, found, *tables[:7], tables.memory, (0.0,) * LANES)
+    solve(problem, found, *tables[:8], (0.0,) * LANES)
     floor = np.full(rows, tables.floor)
     return RowsResult(found.x * model.unit, found.converged, found.residual, floor, found.iterations)
 
@@ -225,12 +226,9 @@ def _build(model: Model) -> Tables:
     sizes = _sizes(model, mesh, elastic, loads)
     first = np.concatenate([[0], np.cumsum(sizes)])
     count, nodes = len(loads.node), len(rod.q0)
-    values = Values(
-        np.zeros(LANES, np.int64),
-        np.zeros(LANES, np.int64),
-        np.zeros(LANES, np.int64),
-        np.zeros(LANES),
-        np.zeros(LANES, bool),
+    state = Lanes(
+        *np.zeros((4, LANES), np.int64),
+        *np.zeros((2, LANES)),
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.zeros((nodes, 3, 3)),
@@ -244,7 +242,7 @@ def _build(model: Model) -> Tables:
         loads,
         start,
         Rows(*map(int, first[:-1])),
-        values,
+        state,
         _aligned(int(first[-1])),
         _floor(model),
     )

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from ancf.failure import SMALLEST_VOLUME
 from ancf.fused_blocks import compiled
 from ancf.fused_element import element_force, element_tangent
 from ancf.fused_front import (
@@ -32,15 +33,15 @@ from ancf.fused_front import (
     take_carry,
 )
 from ancf.fused_load import section_load
-from ancf.fused_start import bend
+from ancf.fused_start import begin, rest
 from ancf.lanes import as_lanes, rows_from
 from ancf.newton import DIVERGED_STEP, FALLING, NOISE_RATIO, NOISE_STEP, PATIENCE, STAGNATION
 
-# A step may be the last when its successor is estimated, from the last two, to be this share of the tolerance.
+# A step may be the last when its successor, estimated from the last two, is this share of the tolerance.
 EARLY = 1e-2
-# det [r_x r_y r_z] below which a section has collapsed; as in failure.py.
-SMALLEST_VOLUME = 1e-4
-IDLE = -1
+HUGE = 1e300
+# What a lane is doing.
+IDLE, RUNNING, CANDIDATE, CONVERGED, FAILED = 0, 1, 2, 3, 4
 
 
 class Scratch(NamedTuple):
@@ -179,58 +180,6 @@ def right_hand_side(w, mesh, elastic, projectors, loads, nv):
 
 
 @compiled
-def begin(lane, row, memory, at, problem, loads, start, values):
-    """Give a lane a sample: its loads and where it starts."""
-    x = memory[at.x : at.x + len(start.x0)]
-    fixed, turning = values.fixed, values.turning
-    fixed[:] = 0.0
-    turning[:] = 0.0
-    for k in range(len(loads.moment_load)):
-        load = loads.moment_load[k]
-        for a in range(3):
-            M = problem.moments[row, k] / loads.energy
-            if not loads.moment_turns[k]:
-                fixed[load, a] += M[a]
-                continue
-            axis = loads.axes[load, a]
-            turning[load, a] += axis[0] * M[0] + axis[1] * M[1] + axis[2] * M[2]
-    for load in range(len(fixed)):
-        for a in range(3):
-            memory[at.M_fixed + 3 * load + a, lane] = fixed[load, a]
-            memory[at.M_turning + 3 * load + a, lane] = turning[load, a]
-    for k in range(len(loads.dead)):
-        memory[at.dead + k, lane] = loads.dead[k]
-        memory[at.dx + k, lane] = 0.0
-        x[k, lane] = start.x0[k]
-    for f in range(len(loads.force_turning)):
-        F, turns = problem.forces[row, f], loads.force_turning[f]
-        if turns >= 0:
-            axes = loads.axes[loads.turning_load[turns]]
-            for a in range(3):
-                value = axes[a, 0] * F[0] + axes[a, 1] * F[1] + axes[a, 2] * F[2]
-                memory[at.F_turning + 3 * turns + a, lane] = value
-            continue
-        for v in range(loads.dead_shape.shape[1]):
-            shape = loads.dead_shape[f, v]
-            if shape != 0.0:
-                for a in range(3):
-                    memory[at.dead + 3 * v + a, lane] += shape * F[a]
-    if len(problem.starts):
-        for k in range(len(start.x0)):
-            x[k, lane] = problem.starts[row if len(problem.starts) > 1 else 0, k]
-    elif start.bends:
-        bend(x, lane, fixed, turning, start, values.frames, values.carried, values.scratch)
-
-
-@compiled
-def rest(lane, memory, at, start):
-    """Leave a lane without a sample at the unloaded reference."""
-    memory[:, lane] = 0.0
-    for k in range(len(start.x0)):
-        memory[at.x + k, lane] = start.x0[k]
-
-
-@compiled
 def largest(memory, first, free, lane):
     """Largest |component| of the vectors that are free; infinite where one is not finite."""
     found = 0.0
@@ -238,101 +187,87 @@ def largest(memory, first, free, lane):
         if free[v]:
             for a in range(3):
                 size = abs(memory[first + 3 * v + a, lane])
-                if not size <= 1e300:
+                if not size <= HUGE:
                     return np.inf
                 found = max(found, size)
     return found
 
 
+@compiled
+def after_step(lane, step, state, problem, memory, at, size):
+    """Take the step of one lane and judge it by its length; a candidate still has to show its residual."""
+    iteration = state.iteration[lane] = state.iteration[lane] + 1
+    before = state.step[lane] if iteration > 1 else np.inf
+    state.step[lane] = step
+    if not step <= DIVERGED_STEP or (iteration >= PATIENCE and step > max(1.0, FALLING * before)):
+        return FAILED
+    for k in range(size):
+        memory[at.x + k, lane] += memory[at.dx + k, lane]
+    noise = step <= NOISE_STEP and step > NOISE_RATIO * before
+    early = step < before < np.inf and step * step <= EARLY * problem.tolerance * before
+    if step <= problem.tolerance or noise or early:
+        return CANDIDATE
+    return FAILED if iteration == problem.max_iterations else RUNNING
+
+
+@compiled
+def after_check(lane, residual, volume, state, problem):
+    """Judge a candidate by its residual and by what is left of its sections."""
+    state.residual[lane] = residual
+    if residual <= max(problem.tolerance, problem.floor):
+        return CONVERGED if volume > SMALLEST_VOLUME else FAILED
+    state.quiet[lane] += 1
+    over = state.quiet[lane] == STAGNATION or state.iteration[lane] == problem.max_iterations
+    return FAILED if over else RUNNING
+
+
 @njit(nogil=True, cache=True, error_model="numpy")
-def solve(problem, found, mesh, elastic, projectors, loads, start, at, values, memory, width):
+def solve(problem, found, mesh, elastic, projectors, loads, start, at, state, memory, width):
     """Solve all samples of a batch.
 
     Parameters
     ----------
-    problem : `Problem`;  found : `Found`, written
+    problem, found : `fused.Problem`, and `fused.Found`, which is written
     at : first row of each field of `Scratch` in `memory` (rows, lanes)
     width : a tuple of as many floats as there are lanes
     """
     w = scratch(memory, at, width)
-    lanes, samples = memory.shape[1], len(found.converged)
-    nv, n = loads.turning_shape.shape[1], len(start.x0)
-    sample, iteration, quiet = values.sample, values.iteration, values.quiet
-    step_before, candidate = values.step_before, values.candidate
-    following = 0
-    busy = 0
+    lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
+    nv = loads.turning_shape.shape[1]
+    sample, status = state.sample, state.status
     for lane in range(lanes):
         rest(lane, memory, at, start)
-        sample[lane] = IDLE
-        if following < samples:
-            sample[lane] = following
-            iteration[lane] = quiet[lane] = 0
-            begin(lane, following, memory, at, problem, loads, start, values)
-            following += 1
-            busy += 1
-    while busy > 0:
+        status[lane] = IDLE
+    following = busy = np.int64(0)
+    while True:
+        for lane in range(lanes):
+            if status[lane] == IDLE and following < samples:
+                begin(lane, following, memory, at, problem, loads, start, state)
+                sample[lane], status[lane] = following, RUNNING
+                following += 1
+                busy += 1
+        if busy == 0:
+            return
         newton_step(w, mesh, elastic, projectors, loads, nv)
         check = False
         for lane in range(lanes):
-            candidate[lane] = False
-            if sample[lane] == IDLE:
-                continue
-            iteration[lane] += 1
-            step = largest(memory, at.dx, mesh.free, lane)
-            before = step_before[lane] if iteration[lane] > 1 else np.inf
-            step_before[lane] = step
-            lost = iteration[lane] >= PATIENCE and step > max(1.0, FALLING * before)
-            done = lost or not step <= DIVERGED_STEP
-            if not done:
-                for k in range(n):
-                    memory[at.x + k, lane] += memory[at.dx + k, lane]
-                noise = step <= NOISE_STEP and step > NOISE_RATIO * before
-                early = step * step <= EARLY * problem.tolerance * before and step < before < np.inf
-                candidate[lane] = step <= problem.tolerance or noise or early
-                check = check or candidate[lane]
-                done = not candidate[lane] and iteration[lane] == problem.max_iterations
-            if done:
-                candidate[lane] = False
-                busy += finish(lane, False, np.inf, sample, found, memory, at, iteration)
-                if following < samples:
-                    sample[lane] = following
-                    iteration[lane] = quiet[lane] = 0
-                    begin(lane, following, memory, at, problem, loads, start, values)
-                    following += 1
-                    busy += 1
-                else:
-                    rest(lane, memory, at, start)
-        if not check:
-            continue
-        smallest = right_hand_side(w, mesh, elastic, projectors, loads, nv)
-        w.node[0] = smallest
+            if status[lane] == RUNNING:
+                step = largest(memory, at.dx, mesh.free, lane)
+                status[lane] = after_step(lane, step, state, problem, memory, at, size)
+                check = check or status[lane] == CANDIDATE
+        if check:
+            w.node[0] = right_hand_side(w, mesh, elastic, projectors, loads, nv)
+            for lane in range(lanes):
+                if status[lane] == CANDIDATE:
+                    residual = largest(memory, at.g, mesh.free, lane)
+                    status[lane] = after_check(lane, residual, memory[at.node, lane], state, problem)
         for lane in range(lanes):
-            if not candidate[lane]:
-                continue
-            residual = largest(memory, at.g, mesh.free, lane)
-            good = residual <= max(problem.tolerance, problem.floor)
-            good = good and memory[at.node, lane] > SMALLEST_VOLUME
-            quiet[lane] += 1
-            if good or quiet[lane] == STAGNATION or iteration[lane] == problem.max_iterations:
-                busy += finish(lane, good, residual, sample, found, memory, at, iteration)
-                if following < samples:
-                    sample[lane] = following
-                    iteration[lane] = quiet[lane] = 0
-                    begin(lane, following, memory, at, problem, loads, start, values)
-                    following += 1
-                    busy += 1
-                else:
-                    rest(lane, memory, at, start)
-
-
-@compiled
-def finish(lane, converged, residual, sample, found, memory, at, iteration):
-    """Write out the sample of a lane; returns the change of the number of busy lanes."""
-    row = sample[lane]
-    found.converged[row] = converged
-    found.residual[row] = residual
-    found.iterations[row] = iteration[lane]
-    for k in range(found.x.shape[1]):
-        found.x[row, k] = memory[at.x + k, lane]
-    sample[lane] = IDLE
-    return -1
+            if status[lane] == CONVERGED or status[lane] == FAILED:
+                row = sample[lane]
+                found.converged[row] = status[lane] == CONVERGED
+                found.residual[row], found.iterations[row] = state.residual[lane], state.iteration[lane]
+                for k in range(size):
+                    found.x[row, k] = memory[at.x + k, lane]
+                rest(lane, memory, at, start)
+                status[lane] = IDLE
+                busy -= 1

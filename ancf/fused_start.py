@@ -124,3 +124,61 @@ def bend(x, lane, fixed, turning, tables, frames, carried, scratch):
             for a in range(3):
                 R, e = frames[i, a], tables.local[i, v]
                 x[3 * (i * nv + v) + a, lane] = R[0] * e[0] + R[1] * e[1] + R[2] * e[2]
+
+
+@compiled
+def begin(lane, row, memory, at, problem, loads, start, state):
+    """Give a lane a sample: its loads and where it starts."""
+    x = memory[at.x : at.x + len(start.x0)]
+    fixed, turning = state.fixed, state.turning
+    state.iteration[lane] = state.quiet[lane] = 0
+    state.residual[lane] = math.inf
+    fixed[:] = 0.0
+    turning[:] = 0.0
+    for k in range(len(loads.moment_load)):
+        load = loads.moment_load[k]
+        M = problem.moments[row, k]
+        for a in range(3):
+            if loads.moment_turns[k]:
+                turning[load, a] += _component(loads.axes[load, a], M) / loads.energy
+            else:
+                fixed[load, a] += M[a] / loads.energy
+    for load in range(len(fixed)):
+        for a in range(3):
+            memory[at.M_fixed + 3 * load + a, lane] = fixed[load, a]
+            memory[at.M_turning + 3 * load + a, lane] = turning[load, a]
+    for k in range(len(loads.dead)):
+        memory[at.dead + k, lane] = loads.dead[k]
+        memory[at.dx + k, lane] = 0.0
+        x[k, lane] = start.x0[k]
+    for f in range(len(loads.force_turning)):
+        F, turns = problem.forces[row, f], loads.force_turning[f]
+        if turns >= 0:
+            axes = loads.axes[loads.turning_load[turns]]
+            for a in range(3):
+                memory[at.F_turning + 3 * turns + a, lane] = _component(axes[a], F)
+            continue
+        for v in range(loads.dead_shape.shape[1]):
+            shape = loads.dead_shape[f, v]
+            if shape != 0.0:
+                for a in range(3):
+                    memory[at.dead + 3 * v + a, lane] += shape * F[a]
+    if len(problem.starts):
+        for k in range(len(start.x0)):
+            x[k, lane] = problem.starts[row if len(problem.starts) > 1 else 0, k]
+    elif start.bends:
+        bend(x, lane, fixed, turning, start, state.frames, state.carried, state.scratch)
+
+
+@compiled
+def _component(axis, a):
+    """axis . a."""
+    return axis[0] * a[0] + axis[1] * a[1] + axis[2] * a[2]
+
+
+@compiled
+def rest(lane, memory, at, start):
+    """Leave a lane without a sample at the unloaded reference."""
+    memory[:, lane] = 0.0
+    for k in range(len(start.x0)):
+        memory[at.x + k, lane] = start.x0[k]
