@@ -178,7 +178,8 @@ def _component(axis, a):
 
 @compiled
 def rest(lane, memory, at, start):
-    """Leave a lane without a sample at the unloaded reference."""
-    memory[:, lane] = 0.0
+    """Leave a lane without a sample at the unloaded reference; scratch, from `E` on, needs no care."""
+    for k in range(at.E):
+        memory[k, lane] = 0.0
     for k in range(len(start.x0)):
         memory[at.x + k, lane] = start.x0[k]
