@@ -33,8 +33,9 @@ from ancf.section_law import QuadraticSection
 
 Floats = NDArray[np.float64]
 
-# Samples side by side in one register; part of the kernel's argument types (lanes.py).
-LANES = 8
+# Samples side by side: 8 keep the pipelines busiest, 4 take two thirds of their time for a single row (64 bytes
+# and 32 bytes a register; where the machine's are shorter, LLVM takes two). Each is compiled when first used.
+FEW, MANY = 4, 8
 # Fraction of the length within which a load stands on an element boundary.
 ON_BOUNDARY = 1e-9
 
@@ -136,7 +137,7 @@ class Tables(NamedTuple):
     floor: float
 
 
-_tables: WeakKeyDictionary[Model, Tables] = WeakKeyDictionary()
+_tables: WeakKeyDictionary[Model, dict[int, Tables]] = WeakKeyDictionary()
 
 
 def unsupported(model: Model) -> str:
@@ -191,8 +192,9 @@ def solve_rows(
     """
     from ancf.fused_kernel import solve
 
-    tables = _tables_of(model)
     rows = len(moments)
+    lanes = FEW if rows <= FEW else MANY
+    tables = _tables_of(model, lanes)
     if start is None:
         starts = np.empty((0, model.n))
     else:
@@ -206,29 +208,27 @@ def solve_rows(
         max_iterations,
     )
     found = Found(np.empty((rows, model.n)), np.zeros(rows, bool), np.empty(rows), np.zeros(rows, np.int64))
-    solve(problem, found, *tables[:8], (0.0,) * LANES)
+    solve(problem, found, *tables[:8], (0.0,) * lanes)
     floor = np.full(rows, tables.floor)
     return RowsResult(found.x * model.unit, found.converged, found.residual, floor, found.iterations)
 
 
-def _tables_of(model: Model) -> Tables:
-    tables = _tables.get(model)
-    if tables is None:
-        tables = _tables[model] = _build(model)
-    return tables
+def _tables_of(model: Model, lanes: int) -> Tables:
+    of_model = _tables.setdefault(model, {})
+    if lanes not in of_model:
+        of_model[lanes] = _build(model, lanes)
+    return of_model[lanes]
 
 
-def _build(model: Model) -> Tables:
+def _build(model: Model, lanes: int) -> Tables:
     (rod,) = model.rods
     held, mixed = held_vectors(model)
     mesh, elastic, loads = mesh_tables(rod, held), elastic_tables(rod), load_tables(model)
-    start = start_tables(model, loads.node)
-    sizes = _sizes(model, mesh, elastic, loads)
-    first = np.concatenate([[0], np.cumsum(sizes)])
+    first = np.cumsum([0, *_sizes(model, mesh, elastic, loads)])
     count, nodes = len(loads.node), len(rod.q0)
     state = Lanes(
-        *np.zeros((4, LANES), np.int64),
-        *np.zeros((2, LANES)),
+        *np.zeros((4, lanes), np.int64),
+        *np.zeros((2, lanes)),
         np.zeros((count, 3)),
         np.zeros((count, 3)),
         np.zeros((nodes, 3, 3)),
@@ -240,10 +240,10 @@ def _build(model: Model) -> Tables:
         elastic,
         projector_tables(rod, mesh, mixed),
         loads,
-        start,
+        start_tables(model, loads.node),
         Rows(*map(int, first[:-1])),
         state,
-        _aligned(int(first[-1])),
+        _aligned(int(first[-1]), lanes),
         _floor(model),
     )
 
@@ -280,12 +280,12 @@ def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTa
     )
 
 
-def _aligned(rows: int) -> Floats:
-    """Memory (rows, LANES) that begins on a cache line, so that no register straddles two."""
+def _aligned(rows: int, lanes: int) -> Floats:
+    """Memory (rows, lanes) that begins on a cache line, so that no register straddles two."""
     line = 64
-    memory = np.zeros(rows * LANES + line // 8)
+    memory = np.zeros(rows * lanes + line // 8)
     skip = (-memory.ctypes.data % line) // 8
-    return memory[skip : skip + rows * LANES].reshape(rows, LANES)
+    return memory[skip : skip + rows * lanes].reshape(rows, lanes)
 
 
 def _floor(model: Model) -> float:

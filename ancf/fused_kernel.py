@@ -14,6 +14,8 @@ w        scratch in registers (`Scratch`);  lane arrays see the rows of `memory`
 
 from __future__ import annotations
 
+import hashlib
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -221,53 +223,70 @@ def after_check(lane, residual, volume, state, problem):
     return FAILED if over else RUNNING
 
 
-@njit(nogil=True, cache=True, error_model="numpy")
-def solve(problem, found, mesh, elastic, projectors, loads, start, at, state, memory, width):
-    """Solve all samples of a batch.
+def _compile(sources):
+    """The kernel; `sources` is a digest of what it is made of, which its closure puts into the cache key."""
 
-    Parameters
-    ----------
-    problem, found : `fused.Problem`, and `fused.Found`, which is written
-    at : first row of each field of `Scratch` in `memory` (rows, lanes)
-    width : a tuple of as many floats as there are lanes
-    """
-    w = scratch(memory, at, width)
-    lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
-    nv = loads.turning_shape.shape[1]
-    sample, status = state.sample, state.status
-    for lane in range(lanes):
-        rest(lane, memory, at, start)
-        status[lane] = IDLE
-    following = busy = np.int64(0)
-    while True:
+    @njit(nogil=True, cache=True, error_model="numpy")
+    def solve(problem, found, mesh, elastic, projectors, loads, start, at, state, memory, width):
+        """Solve all samples of a batch.
+
+        Parameters
+        ----------
+        problem, found : `fused.Problem`, and `fused.Found`, which is written
+        at : first row of each field of `Scratch` in `memory` (rows, lanes)
+        width : a tuple of as many floats as there are lanes
+        """
+        _ = sources
+        w = scratch(memory, at, width)
+        lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
+        nv = loads.turning_shape.shape[1]
+        sample, status = state.sample, state.status
         for lane in range(lanes):
-            if status[lane] == IDLE and following < samples:
-                begin(lane, following, memory, at, problem, loads, start, state)
-                sample[lane], status[lane] = following, RUNNING
-                following += 1
-                busy += 1
-        if busy == 0:
-            return
-        newton_step(w, mesh, elastic, projectors, loads, nv)
-        check = False
-        for lane in range(lanes):
-            if status[lane] == RUNNING:
-                step = largest(memory, at.dx, mesh.free, lane)
-                status[lane] = after_step(lane, step, state, problem, memory, at, size)
-                check = check or status[lane] == CANDIDATE
-        if check:
-            w.node[0] = right_hand_side(w, mesh, elastic, projectors, loads, nv)
+            rest(lane, memory, at, start)
+            status[lane] = IDLE
+        following = busy = np.int64(0)
+        while True:
             for lane in range(lanes):
-                if status[lane] == CANDIDATE:
-                    residual = largest(memory, at.g, mesh.free, lane)
-                    status[lane] = after_check(lane, residual, memory[at.node, lane], state, problem)
-        for lane in range(lanes):
-            if status[lane] == CONVERGED or status[lane] == FAILED:
-                row = sample[lane]
-                found.converged[row] = status[lane] == CONVERGED
-                found.residual[row], found.iterations[row] = state.residual[lane], state.iteration[lane]
-                for k in range(size):
-                    found.x[row, k] = memory[at.x + k, lane]
-                rest(lane, memory, at, start)
-                status[lane] = IDLE
-                busy -= 1
+                if status[lane] == IDLE and following < samples:
+                    begin(lane, following, memory, at, problem, loads, start, state)
+                    sample[lane], status[lane] = following, RUNNING
+                    following += 1
+                    busy += 1
+            if busy == 0:
+                return
+            newton_step(w, mesh, elastic, projectors, loads, nv)
+            check = False
+            for lane in range(lanes):
+                if status[lane] == RUNNING:
+                    step = largest(memory, at.dx, mesh.free, lane)
+                    status[lane] = after_step(lane, step, state, problem, memory, at, size)
+                    check = check or status[lane] == CANDIDATE
+            if check:
+                w.node[0] = right_hand_side(w, mesh, elastic, projectors, loads, nv)
+                for lane in range(lanes):
+                    if status[lane] == CANDIDATE:
+                        residual = largest(memory, at.g, mesh.free, lane)
+                        status[lane] = after_check(lane, residual, memory[at.node, lane], state, problem)
+            for lane in range(lanes):
+                if status[lane] == CONVERGED or status[lane] == FAILED:
+                    row = sample[lane]
+                    found.converged[row] = status[lane] == CONVERGED
+                    found.residual[row], found.iterations[row] = state.residual[lane], state.iteration[lane]
+                    for k in range(size):
+                        found.x[row, k] = memory[at.x + k, lane]
+                    rest(lane, memory, at, start)
+                    status[lane] = IDLE
+                    busy -= 1
+
+    return solve
+
+
+def _digest():
+    """Digest of the sources that are compiled together: numba's cache watches this file only."""
+    folder, total = Path(__file__).parent, hashlib.sha256()
+    for path in sorted([folder / "lanes.py", folder / "newton.py", *folder.glob("fused_*.py")]):
+        total.update(path.read_bytes())
+    return total.hexdigest()
+
+
+solve = _compile(_digest())
