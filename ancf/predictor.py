@@ -82,7 +82,7 @@ def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
         return None
     x = rod.mesh.node_x
     A_o = rod.rod.base.rotation
-    compliance = _compliance(rod)
+    compliance = compliance_between_nodes(rod)
     total = np.array([m.value for m in moments])
     ends = np.array([m.at * rod.rod.length for m in moments])
     rotations = np.empty((len(x), 3, 3))  # section frames in SCS
@@ -125,7 +125,7 @@ def _chain(rod: RodModel) -> Chain:
     _, frame = reference_axis(x, rod.rod.curvature)
     return Chain(
         h=h,
-        C=np.linalg.inv(_compliance(rod)).astype(float),
+        C=np.linalg.inv(compliance_between_nodes(rod)).astype(float),
         k_0=np.asarray(rod.rod.curvature),
         R_0=rod.rod.base.rotation @ frame,
         held=rod.node_at(rod.rod.supports[0].at),
@@ -214,7 +214,7 @@ def _turn(v: Floats) -> Floats:
     )
 
 
-def _compliance(rod: RodModel) -> Floats:
+def compliance_between_nodes(rod: RodModel) -> Floats:
     """Curvature (twist, y, z) per moment in section axes, its mean between two nodes (n - 1, 3, 3)."""
     spans = len(rod.element.node_xi) - 1
     first, kind = rod.element_kinds

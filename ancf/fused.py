@@ -1,0 +1,312 @@
+"""Whole batches of loads by one compiled kernel (extra `fast`): what `solve_batch` calls for rods that allow it.
+
+One rod of Saint Venant-Kirchhoff material under point loads; the tables of a model are built once and kept.
+A row that the kernel cannot solve is only marked: the caller decides what to do with it.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import dataclass
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.fused_tables import (
+    ElasticTables,
+    LoadTables,
+    MeshTables,
+    ProjectorTables,
+    StartTables,
+    elastic_tables,
+    held_vectors,
+    load_tables,
+    mesh_tables,
+    projector_tables,
+    start_tables,
+)
+from ancf.model import Model
+from ancf.newton import FLOOR_FACTOR
+from ancf.section_law import QuadraticSection
+
+Floats = NDArray[np.float64]
+
+# Samples side by side: 8 keep the pipelines busiest, 4 take two thirds of their time for a single row (64 bytes
+# and 32 bytes a register; where the machine's are shorter, LLVM takes two). Each is compiled when first used.
+FEW, MANY = 4, 8
+# Fraction of the length within which a load stands on an element boundary.
+ON_BOUNDARY = 1e-9
+
+
+@dataclass(frozen=True)
+class RowsResult:
+    """What became of every row.
+
+    Parameters
+    ----------
+    q : (B, n) last iterate [SI], finite whatever happened
+    converged : (B,)
+    residual : (B,) dimensionless as in newton.py; inf where a row did not get that far
+    floor : (B,) what float64 leaves of it
+    iterations : (B,) linear solves
+    """
+
+    q: Floats
+    converged: NDArray[np.bool_]
+    residual: Floats
+    floor: Floats
+    iterations: NDArray[np.int64]
+
+
+class Problem(NamedTuple):
+    """Loads and starts of the rows, and when to stop."""
+
+    moments: Floats  # (B, moments, 3) N m
+    forces: Floats  # (B, forces, 3) N
+    starts: Floats  # (0, 1 or B, n) dimensionless
+    tolerance: float
+    floor: float
+    max_iterations: int
+
+
+class Found(NamedTuple):
+    """Results of the rows."""
+
+    x: Floats  # (B, n) dimensionless
+    converged: NDArray[np.bool_]
+    residual: Floats
+    iterations: NDArray[np.int64]
+
+
+class Lanes(NamedTuple):
+    """State of the lanes (lanes,), and scratch of the start."""
+
+    sample: NDArray[np.int64]
+    status: NDArray[np.int64]
+    iteration: NDArray[np.int64]
+    quiet: NDArray[np.int64]  # candidates that had too large a residual
+    step: Floats
+    residual: Floats
+    fixed: Floats  # (loads, 3)
+    turning: Floats  # (loads, 3)
+    frames: Floats  # (n_nodes, 3, 3)
+    carried: Floats  # (n_nodes - 1, 3)
+    scratch: Floats  # (3, 3, 3)
+
+
+class Rows(NamedTuple):
+    """Sizes, or first rows, of the fields of `fused_kernel.Scratch` (what they hold is said there)."""
+
+    x: int
+    dx: int
+    g: int
+    dead: int
+    M_fixed: int
+    M_turning: int
+    F_turning: int
+    E: int
+    dE: int
+    V: int
+    dV: int
+    gamma: int
+    T: int
+    Q: int
+    U: int
+    K_v: int
+    K_N: int
+    front: int
+    carry: int
+    W: int
+    W_end: int
+    node: int
+
+
+class Tables(NamedTuple):
+    """Everything the kernel knows of a model."""
+
+    mesh: MeshTables
+    elastic: ElasticTables
+    projectors: ProjectorTables
+    loads: LoadTables
+    start: StartTables
+    at: Rows
+    state: Lanes
+    memory: Floats
+    floor: float
+
+
+_tables: WeakKeyDictionary[Model, dict[int, Tables]] = WeakKeyDictionary()
+
+
+def unsupported(model: Model) -> str:
+    """Why the fused kernel cannot take a model, in one sentence; empty if it can."""
+    scene = model.scene
+    if importlib.util.find_spec("numba") is None:
+        return "numba is not installed (extra `fast`)."
+    if len(model.rods) != 1 or model.joints is not None:
+        return "The fused kernel solves one rod without joints."
+    (rod,) = model.rods
+    if not isinstance(rod.elastic.section, QuadraticSection):
+        return "The fused kernel knows Saint Venant-Kirchhoff material only."
+    if any(load.direction != "fixed" for load in scene.line_loads):
+        return "The fused kernel knows dead line loads only."
+    if any(load.definition != "section" for load in scene.moments):
+        return "The fused kernel knows moments by the section's rotation only."
+    if len({support.dofs[0] for support in model.supports}) < len(model.supports):
+        return "The fused kernel takes one support a node."
+    clamps = {rod.node_at(s.at) for s in rod.rod.supports if s.kind == "free_section_clamp"}
+    for load in (*scene.moments, *(f for f in scene.forces if f.direction == "follower")):
+        if np.abs(rod.mesh.breaks / rod.rod.length - load.at).min() > ON_BOUNDARY:
+            return "The fused kernel takes moments and follower forces between elements only."
+        if rod.node_at(load.at) in clamps:
+            return "The fused kernel takes no moment or follower force on a free-section clamp."
+    return ""
+
+
+def solve_rows(
+    model: Model,
+    moments: Floats,
+    forces: Floats,
+    start: Floats | None = None,
+    *,
+    tolerance: float | None = None,
+    max_iterations: int = 25,
+) -> RowsResult:
+    """Solve one rod under many loads.
+
+    Parameters
+    ----------
+    model : one for which `unsupported` is empty
+    moments, forces : (B, moments of the scene, 3) [N m], (B, forces of the scene, 3) [N], in SCS and in the
+        scene's order; those that follow their section as they are at the reference
+    start : nodal coordinates (B, n) or (n,) [SI] to begin from; None bends the rod by its moments
+    tolerance : of the dimensionless step and residual; None: the scene's
+    max_iterations : linear solves after which a row is given up
+
+    Notes
+    -----
+    Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183 (tangent); the rest of the rule is
+    newton.py's. About 0.6 Mflop a row for 8 elements 3333. Not for two threads with one model at once.
+    """
+    from ancf.fused_kernel import solve
+
+    rows = len(moments)
+    lanes = FEW if rows <= FEW else MANY
+    tables = _tables_of(model, lanes)
+    if start is None:
+        starts = np.empty((0, model.n))
+    else:
+        starts = np.array([model.admissible(q) for q in np.atleast_2d(start)]) / model.unit
+    problem = Problem(
+        np.ascontiguousarray(moments, dtype=float),
+        np.ascontiguousarray(forces, dtype=float),
+        starts,
+        model.scene.solver.tolerance if tolerance is None else float(tolerance),
+        tables.floor,
+        max_iterations,
+    )
+    found = Found(np.empty((rows, model.n)), np.zeros(rows, bool), np.empty(rows), np.zeros(rows, np.int64))
+    solve(problem, found, *tables[:8], (0.0,) * lanes)
+    floor = np.full(rows, tables.floor)
+    return RowsResult(found.x * model.unit, found.converged, found.residual, floor, found.iterations)
+
+
+def _tables_of(model: Model, lanes: int) -> Tables:
+    of_model = _tables.setdefault(model, {})
+    if lanes not in of_model:
+        of_model[lanes] = _build(model, lanes)
+    return of_model[lanes]
+
+
+def _build(model: Model, lanes: int) -> Tables:
+    (rod,) = model.rods
+    held, mixed = held_vectors(model)
+    mesh, elastic, loads = mesh_tables(rod, held), elastic_tables(rod), load_tables(model)
+    first = np.cumsum([0, *_sizes(model, mesh, elastic, loads)])
+    count, nodes = len(loads.node), len(rod.q0)
+    state = Lanes(
+        *np.zeros((4, lanes), np.int64),
+        *np.zeros((2, lanes)),
+        np.zeros((count, 3)),
+        np.zeros((count, 3)),
+        np.zeros((nodes, 3, 3)),
+        np.zeros((nodes - 1, 3)),
+        np.zeros((3, 3, 3)),
+    )
+    return Tables(
+        mesh,
+        elastic,
+        projector_tables(rod, mesh, mixed),
+        loads,
+        start_tables(model, loads.node),
+        Rows(*map(int, first[:-1])),
+        state,
+        _aligned(int(first[-1]), lanes),
+        _floor(model),
+    )
+
+
+def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTables) -> Rows:
+    """Rows that each field needs."""
+    elements, m = mesh.dofs.shape
+    nv = loads.turning_shape.shape[1]
+    pairs, points, g = len(elastic.i), *elastic.N.shape[1:3]
+    pivots = m - nv
+    return Rows(
+        x=model.n,
+        dx=model.n,
+        g=model.n,
+        dead=model.n,
+        M_fixed=3 * len(loads.node),
+        M_turning=3 * len(loads.node),
+        F_turning=3 * len(loads.turning_load),
+        E=3 * m,
+        dE=3 * m,
+        V=3 * g,
+        dV=3 * g,
+        gamma=pairs,
+        T=pairs,
+        Q=3 * points * g,
+        U=3 * (len(elastic.u_start) - 1),
+        K_v=9 * pairs,
+        K_N=9 * points * g * m,
+        front=9 * m * m,
+        carry=9 * nv * nv,
+        W=9 * elements * pivots * m,
+        W_end=9 * nv * nv,
+        node=3 * nv,
+    )
+
+
+def _aligned(rows: int, lanes: int) -> Floats:
+    """Memory (rows, lanes) that begins on a cache line, so that no register straddles two."""
+    line = 64
+    memory = np.zeros(rows * lanes + line // 8)
+    skip = (-memory.ctypes.data % line) // 8
+    return memory[skip : skip + rows * lanes].reshape(rows, lanes)
+
+
+def _floor(model: Model) -> float:
+    """Dimensionless residual that float64 leaves: eps max_i sum_j |K_ij| |q_j| with 3 x 3 blocks and vectors.
+
+    Taken once, at the reference with its positions as far from the base as the arc is long: no rotation changes
+    these norms, and no bent rod reaches farther.
+    """
+    (rod,) = model.rods
+    _, flat = model.residual_and_tangent(model.q0, 0.0)
+    b, n = model.pattern.b, model.n
+    band = flat.reshape(3 * b + 1, n)[b:]
+    size = np.linalg.norm((model.q0 / model.unit).reshape(rod.q0.shape), axis=2)
+    size[:, rod.element.vectors.index((0, 0, 0))] = rod.mesh.node_x / rod.rod.length
+    squares = np.zeros((n // 3, n // 3))
+    for offset in range(-b, b + 1):
+        columns = np.arange(max(0, -offset), min(n, n - offset))
+        rows = columns + offset
+        entries = band[b + offset, columns] * model.unit[columns] / model.force_unit[rows]
+        np.add.at(squares, (rows // 3, columns // 3), entries**2)
+    return FLOOR_FACTOR * float(np.finfo(float).eps) * float(np.max(np.sqrt(squares) @ size.ravel()))
+
+
+__all__ = ["RowsResult", "solve_rows", "unsupported"]
