@@ -8,29 +8,31 @@ without convergence or at an unstable equilibrium, is searched for alone, as `so
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import NoReturn
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.batch_loads import BatchLoads, read_rows
-from ancf.batch_newton import solve_rows
+from ancf.batch_rows import BatchLoads, RowsResult, read_rows
+from ancf.batch_starts import dear_starts, solve_in_waves
 from ancf.errors import InputError, Message
 from ancf.failure import explain
 from ancf.model import Model
+from ancf.scene import Scene
 from ancf.sensitivity import pose_map, sensitivity
 from ancf.solution import Solution, Status
 from ancf.solver import prepare
 from ancf.stepping import find_equilibrium
 
-if TYPE_CHECKING:
-    from ancf.scene import Scene
-
 Floats = NDArray[np.float64]
 
 ENGINES = ("auto", "numpy", "fused")
+
+_models: WeakKeyDictionary[Scene, dict[tuple[bool, ...], Model]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ def solve_batch(
     """
     started = time.perf_counter()
     loads = read_rows(scene, moments, forces)
-    model = prepare(loads.scene)
+    model = _model(scene, loads)
     begin = None if start is None else _starts(start, len(loads), model)
     chosen = _engine(model, engine)
     deadline = started + scene.solver.max_seconds
@@ -126,7 +128,13 @@ def solve_batch(
     iterations, residual, floor = np.zeros(len(loads), int), np.zeros(len(loads)), np.zeros(len(loads))
     left = np.arange(len(loads))
     if chosen != "solve":
-        found = solve_rows(model, loads, begin, deadline)
+        newton = _newton(chosen, deadline)
+        if begin is not None:
+            found = newton(model, loads, begin)
+        elif chosen == "fused" and (model.conservative or not dear_starts(model)):
+            found = newton(model, loads, None)
+        else:
+            found = solve_in_waves(model, loads, newton, deadline)
         q, iterations, residual, floor = found.q, found.iterations, found.residual, found.floor
         left = np.flatnonzero(~found.converged)
     for row in left:
@@ -156,8 +164,40 @@ def _engine(model: Model, wanted: str) -> str:
     stability, options = model.scene.stability, model.scene.solver
     follows = options.method == "arclength" or (stability is not None and stability.branch == "buckled")
     if follows or model.joints is not None or options.tangent != "analytic":
-        return "solve"
-    return "numpy"
+        refused = (
+            "The scene follows a path, has joints or the finite-difference tangent: rows are solved alone."
+        )
+        form = "solve"
+    else:
+        from ancf.fused import unsupported
+
+        refused = "" if wanted == "numpy" else unsupported(model)
+        form = "numpy" if wanted == "numpy" or refused else "fused"
+    if wanted not in ("auto", form):
+        _refuse(f"The engine {wanted!r} cannot take this scene.", "engine", f"engine = {wanted!r}", refused)
+    return form
+
+
+def _newton(engine: str, deadline: float) -> Callable[[Model, BatchLoads, Floats | None], RowsResult]:
+    """Newton for rows from their starts; the fused kernel also finds starts of its own (None)."""
+    if engine == "fused":
+        from ancf.fused import solve_rows as fused_rows
+
+        return lambda model, loads, start: fused_rows(model, loads.moments, loads.forces, start)
+    from ancf.batch_newton import solve_rows
+
+    return lambda model, loads, start: solve_rows(
+        model, loads, model.q0 if start is None else start, deadline
+    )
+
+
+def _model(scene: Scene, loads: BatchLoads) -> Model:
+    """The model of a scene for all batches in which the same of its loads act; made once."""
+    known = _models.setdefault(scene, {})
+    acting = tuple(bool(np.any(load.value)) for load in (*loads.scene.moments, *loads.scene.forces))
+    if acting not in known:
+        known[acting] = prepare(loads.scene)
+    return known[acting]
 
 
 def _starts(start: ArrayLike, count: int, model: Model) -> Floats:
@@ -172,5 +212,5 @@ def _starts(start: ArrayLike, count: int, model: Model) -> Floats:
     return np.broadcast_to(values, (count, model.n))
 
 
-def _refuse(what: str, where: str, value: str, cause: str) -> None:
+def _refuse(what: str, where: str, value: str, cause: str) -> NoReturn:
     raise InputError(Message(what, f"solve_batch, {where}", value, cause, "see help(ancf.solve_batch)"))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.batch_newton import STRIDE
+from ancf.batch_starts import STRIDE
 from ancf.solution import Status
 
 L, RADIUS, YOUNG = 0.4, 0.01, 1e6
@@ -132,7 +132,7 @@ def test_an_unstable_row_is_left_for_the_stable_branch():
 def test_a_sweep_starts_from_its_neighbours(monkeypatch):
     """One row in STRIDE starts from nothing; rows that are far from each other all do."""
     cold = []
-    monkeypatch.setattr("ancf.batch_newton.load_start", lambda model, deadline: cold.append(1))
+    monkeypatch.setattr("ancf.batch_starts.load_start", lambda model, deadline: cold.append(1))
     sweep = np.linspace(0.0, 2.0, 2 * STRIDE)[:, None] * np.array([0.0, 1.0, 0.5]) * FORCE
     near = ancf.solve_batch(scene(**force()), forces=sweep, engine="numpy")
     assert len(cold) == 2 and (near.status == "converged").all()

@@ -1,4 +1,4 @@
-"""The rows of a batch: values of the scene's moments and forces, one row a sample."""
+"""The rows of a batch: values of the scene's moments and forces, one row a sample, and what Newton finds."""
 
 from __future__ import annotations
 
@@ -59,6 +59,28 @@ class BatchLoads:
         rod = self.scene.rod(load.rod)
         part = rod.parts[0]
         return part.material.young_modulus * part.section.weaker_second_moment / rod.length
+
+
+@dataclass(frozen=True, eq=False)
+class RowsResult:
+    """What Newton found for each row; a row without an equilibrium never spoils the others."""
+
+    q: Floats  # (B, n) last iterates, finite
+    converged: NDArray[np.bool_]  # (B,) an equilibrium that may be taken: not collapsed, not unstable
+    residual: Floats  # (B,) inf where a row did not get that far
+    floor: Floats  # (B,)
+    iterations: NDArray[np.int64]  # (B,) linear solves
+
+    @classmethod
+    def empty(cls, rows: int, n: int) -> RowsResult:
+        """Of rows that are not solved yet."""
+        numbers = np.zeros((2, rows))
+        return cls(np.zeros((rows, n)), np.zeros(rows, bool), *numbers, np.zeros(rows, np.int64))
+
+    def put(self, rows: NDArray[np.intp], part: RowsResult) -> None:
+        """Store the results of some of the rows."""
+        for whole, values in zip(vars(self).values(), vars(part).values(), strict=True):
+            whole[rows] = values
 
 
 def read_rows(scene: Scene, moments: ArrayLike | None, forces: ArrayLike | None) -> BatchLoads:
