@@ -30,9 +30,11 @@ def test_scene_is_the_example():
 
 def test_python_runs(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    solve, check = blocks("python")
+    solve, sweep, check = blocks("python")
     exec(compile(solve, "README.md", "exec"), {})
     assert "2.5457" in capsys.readouterr().out
+    exec(compile(sweep, "README.md", "exec"), {})
+    assert capsys.readouterr().out.startswith("(1520, 3, 4)\n")
     exec(compile(check, "README.md", "exec"), {})
     # The shipped certificate is of this code: `ancf validate --full --ship` after an edit of the solver.
     assert capsys.readouterr().out == "True []\n[]\n"
