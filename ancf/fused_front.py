@@ -148,8 +148,8 @@ def project(A, P, place, nv, m, first, scratch):
     P (3 nv, 3 nv) is the projector of the supports; where `first`, what they hold gets a 1 on the diagonal.
     """
     size = 3 * nv
-    for n in range(3 * m):
-        for side in range(2):
+    for side in range(2):  # A P, then P (A P)
+        for n in range(3 * m):
             for s in range(size):
                 scratch[s] = A[_entry(m, 3 * place + s, n) if side else _entry(m, n, 3 * place + s)]
             for r in range(size):
