@@ -160,6 +160,8 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
     for e in range(elements - 1, -1, -1):
         W = rows_from(w.W, 9 * e * pivots * m)
         substitute(W, w.dx, mesh.dofs[e], mesh.active[e], mesh.counts[e, 0], mesh.counts[e, 1], m)
+    for k in range(len(projectors.element)):  # rounding leaves something in what the supports hold
+        project_vector(w.dx, projectors.dof[k], projectors.P[k], w.node)
 
 
 @compiled
