@@ -56,6 +56,7 @@ class Scratch(NamedTuple):
     M_fixed: object
     M_turning: object
     F_turning: object
+    trust: object
     E: object
     dE: object
     V: object
@@ -85,6 +86,7 @@ def scratch(memory, at, width):
         rows_from(a, at.M_fixed),
         rows_from(a, at.M_turning),
         rows_from(a, at.F_turning),
+        rows_from(a, at.trust),
         rows_from(a, at.E),
         rows_from(a, at.dE),
         rows_from(a, at.V),
@@ -205,6 +207,7 @@ def after_step(lane, step, state, problem, memory, at, size):
     state.step[lane] = step
     if not step <= DIVERGED_STEP or (iteration >= PATIENCE and step > max(1.0, FALLING * before)):
         return FAILED
+    memory[at.trust, lane] = 1.0
     for k in range(size):
         memory[at.x + k, lane] += memory[at.dx + k, lane]
     noise = step <= NOISE_STEP and step > NOISE_RATIO * before
