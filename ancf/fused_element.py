@@ -196,7 +196,9 @@ def element_tangent(G, x, dx, e, mesh, tables, w):
         stress(w.T, w.gamma, H, tables.H_start, tables.H_at)
         vector_force(w.Q, w.V, w.T, tables.pair, point * g)
         for p in range(len(tables.i)):
-            w.gamma[p] = trust * w.gamma[p] - dot(vector(w.dV, 3 * tables.i[p]), vector(w.dV, 3 * tables.j[p]))
+            w.gamma[p] = trust * w.gamma[p] - dot(
+                vector(w.dV, 3 * tables.i[p]), vector(w.dV, 3 * tables.j[p])
+            )
         stress(w.T, w.gamma, H, tables.H_start, tables.H_at)
         stress_vectors(w.U, w.V, tables.u_start, tables.u_vector, tables.u[kind, point])
         blocks(w.K_v, w.U, w.V, w.T, tables)

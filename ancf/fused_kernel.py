@@ -57,6 +57,7 @@ class Scratch(NamedTuple):
     M_turning: object
     F_turning: object
     trust: object
+    signs: object
     E: object
     dE: object
     V: object
@@ -87,6 +88,7 @@ def scratch(memory, at, width):
         rows_from(a, at.M_turning),
         rows_from(a, at.F_turning),
         rows_from(a, at.trust),
+        rows_from(a, at.signs),
         rows_from(a, at.E),
         rows_from(a, at.dE),
         rows_from(a, at.V),
@@ -114,6 +116,8 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
         w.g[k] = w.dead[k]
     for k in range(9 * nv * nv):
         w.carry[k] = 0.0
+    w.signs[0] = 1.0
+    w.signs[1] = 1.0
     symmetric = True
     if loads.at[0] >= 0:
         section_load(w.g, w.carry, w.x, mesh.dofs[0, pivots - nv], nv, loads.at[0], loads, w, True)
@@ -136,6 +140,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
                 w.g,
                 W,
                 w.dx,
+                w.signs,
                 dofs,
                 active,
                 eliminated,
@@ -151,13 +156,13 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
                 project_vector(w.g, projectors.dof[projector], P, w.node)
                 projector += 1
             take_carry(w.front, w.carry, pivots - nv, nv, m)
-            eliminate(w.front, w.g, W, w.dx, dofs, active, eliminated, count, m)
+            eliminate(w.front, w.g, W, w.dx, w.signs, dofs, active, eliminated, count, m)
         leave_carry(w.carry, w.front, pivots, nv, m, symmetric)
         if loads.at[e + 1] >= 0:
             section_load(w.g, w.carry, w.x, dofs[pivots], nv, loads.at[e + 1], loads, w, True)
             symmetric = False
     end = mesh.dofs[elements - 1, pivots:]
-    eliminate(w.carry, w.g, w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
+    eliminate(w.carry, w.g, w.W_end, w.dx, w.signs, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     substitute(w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     for e in range(elements - 1, -1, -1):
         W = rows_from(w.W, 9 * e * pivots * m)
@@ -218,11 +223,11 @@ def after_step(lane, step, state, problem, memory, at, size):
 
 
 @compiled
-def after_check(lane, residual, volume, state, problem):
-    """Judge a candidate by its residual and by what is left of its sections."""
+def after_check(lane, residual, sound, state, problem):
+    """Judge a candidate by its residual, and by whether its state is `sound`."""
     state.residual[lane] = residual
     if residual <= max(problem.tolerance, problem.floor):
-        return CONVERGED if volume > SMALLEST_VOLUME else FAILED
+        return CONVERGED if sound else FAILED
     state.quiet[lane] += 1
     over = state.quiet[lane] == STAGNATION or state.iteration[lane] == problem.max_iterations
     return FAILED if over else RUNNING
@@ -271,7 +276,9 @@ def _compile(sources):
                 for lane in range(lanes):
                     if status[lane] == CANDIDATE:
                         residual = largest(memory, at.g, mesh.free, lane)
-                        status[lane] = after_check(lane, residual, memory[at.node, lane], state, problem)
+                        sign = memory[at.signs + (0 if len(loads.node) == 0 else 1), lane]
+                        sound = memory[at.node, lane] > SMALLEST_VOLUME and sign > 0.0
+                        status[lane] = after_check(lane, residual, sound, state, problem)
             for lane in range(lanes):
                 if status[lane] == CONVERGED or status[lane] == FAILED:
                     row = sample[lane]

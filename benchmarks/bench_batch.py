@@ -8,24 +8,19 @@ Times are CPU times of one core, medians of several runs; tip errors are against
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import statistics
-import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-import ancf
 from ancf import fused
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
-from ancf.scene import Force, Moment, Rod, Scene
+from ancf.scene import Moment, Rod, Scene
 from ancf.sections import Circle
 
 Floats = NDArray[np.float64]
