@@ -106,6 +106,8 @@ class Rows(NamedTuple):
     M_fixed: int
     M_turning: int
     F_turning: int
+    trust: int
+    signs: int
     E: int
     dE: int
     V: int
@@ -262,6 +264,8 @@ def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTa
         M_fixed=3 * len(loads.node),
         M_turning=3 * len(loads.node),
         F_turning=3 * len(loads.turning_load),
+        trust=1,
+        signs=2,
         E=3 * m,
         dE=3 * m,
         V=3 * g,

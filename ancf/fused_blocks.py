@@ -189,12 +189,13 @@ def minus_times_vector(a, B, c):
 
 @inlined
 def inverse(A):
-    """A^-1 by cofactors; not finite where A is singular."""
+    """A^-1 by cofactors, not finite where A is singular, and det A."""
     c0 = A[4] * A[8] - A[5] * A[7]
     c1 = A[5] * A[6] - A[3] * A[8]
     c2 = A[3] * A[7] - A[4] * A[6]
-    d = 1.0 / (A[0] * c0 + A[1] * c1 + A[2] * c2)
-    return (
+    determinant = A[0] * c0 + A[1] * c1 + A[2] * c2
+    d = 1.0 / determinant
+    inverse = (
         d * c0,
         d * (A[2] * A[7] - A[1] * A[8]),
         d * (A[1] * A[5] - A[2] * A[4]),
@@ -205,3 +206,4 @@ def inverse(A):
         d * (A[1] * A[6] - A[0] * A[7]),
         d * (A[0] * A[4] - A[1] * A[3]),
     )
+    return inverse, determinant

@@ -187,6 +187,7 @@ def element_tangent(G, x, dx, e, mesh, tables, w):
     dofs, kind, g = mesh.dofs[e], mesh.kind[e], len(tables.pair)
     element_vectors(w.E, x, dofs, mesh.relative, mesh.anchor)
     element_vectors(w.dE, dx, dofs, mesh.relative, mesh.anchor)
+    trust = w.trust[0]
     for point in range(tables.N.shape[1]):
         N, H = tables.N[kind, point], tables.H[kind, point]
         generalised(w.V, w.E, N, tables.row_start, tables.row_at)
@@ -195,7 +196,9 @@ def element_tangent(G, x, dx, e, mesh, tables, w):
         stress(w.T, w.gamma, H, tables.H_start, tables.H_at)
         vector_force(w.Q, w.V, w.T, tables.pair, point * g)
         for p in range(len(tables.i)):
-            w.gamma[p] = w.gamma[p] - dot(vector(w.dV, 3 * tables.i[p]), vector(w.dV, 3 * tables.j[p]))
+            w.gamma[p] = trust * w.gamma[p] - dot(
+                vector(w.dV, 3 * tables.i[p]), vector(w.dV, 3 * tables.j[p])
+            )
         stress(w.T, w.gamma, H, tables.H_start, tables.H_at)
         stress_vectors(w.U, w.V, tables.u_start, tables.u_vector, tables.u[kind, point])
         blocks(w.K_v, w.U, w.V, w.T, tables)

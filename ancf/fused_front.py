@@ -7,7 +7,7 @@ With the pivot block D = A_kk, its rows W_kj = D^-1 A_kj and y_k = D^-1 g_k,
 Row by row: a block gathers its share of the element and of all pivots before it in registers, and is stored
 once. Only the upper half is touched where the front is symmetric (A_ik = A_ki^T). There is no pivoting: an elastic
 tangent with all its unknowns has pivots of the size of its stiffness, and a sample whose pivot vanishes fails
-alone. The tangent of a moment is unsymmetric: from its node on, whole fronts are eliminated.
+alone. The signs of the pivots tell a minimum of the potential from other equilibria (stepping.py). The tangent of a moment is unsymmetric: from its node on, whole fronts are eliminated.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from ancf.fused_blocks import (
 )
 from ancf.fused_element import element_block
 
+HUGE = 1e300
+
 
 @inlined
 def _eliminated(A, W, block_ij, i, j, active, steps, m, symmetric):
@@ -41,7 +43,16 @@ def _eliminated(A, W, block_ij, i, j, active, steps, m, symmetric):
 
 
 @inlined
-def _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric):
+def _note_signs(signs, A, determinant):
+    """Keep the least leading minor of all pivot blocks in row 0 and the sign of the determinant in row 1."""
+    one = determinant - determinant + 1.0
+    minors = min(A[0], A[0] * A[4] - A[1] * A[3])
+    signs[0] = min(min(minors, determinant), signs[0])
+    signs[1] = signs[1] * min(max(HUGE * determinant, -1.0 * one), one)
+
+
+@inlined
+def _eliminate_row(A, g, W, y, signs, dofs, active, row, pivots, count, m, symmetric):
     """Right-hand side of a row whose blocks are eliminated; W and y where it is a pivot."""
     i = active[row]
     g_i = vector(g, dofs[i])
@@ -51,7 +62,9 @@ def _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric):
         g_i = minus_times_vector(g_i, B, vector(y, dofs[k]))
     put_vector(g, dofs[i], g_i)
     if row < pivots:
-        D = inverse(block(A, 9 * (i * m + i)))
+        pivot = block(A, 9 * (i * m + i))
+        D, determinant = inverse(pivot)
+        _note_signs(signs, pivot, determinant)
         put_vector(y, dofs[i], times_vector(D, g_i))
         for column in range(row + 1, count):
             j = active[column]
@@ -59,7 +72,9 @@ def _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric):
 
 
 @compiled
-def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots, count, nv, symmetric):
+def eliminate_element(
+    A, K_N, N, start, at, carry, g, W, y, signs, dofs, active, pivots, count, nv, symmetric
+):
     """Assemble the front of an element and eliminate its first `pivots` unknown vectors.
 
     Parameters
@@ -67,7 +82,7 @@ def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots
     A : front of m x m blocks, scratch;  K_N, N, start, at : the element's tangent (`element_block`)
     carry : what earlier elements left on the first node
     g : right-hand side of the whole rod, at `dofs` of the front places
-    W : receives W_kj at block k m + j;  y : receives y_k at `dofs`
+    W : receives W_kj at block k m + j;  y : receives y_k at `dofs`;  signs : see `_note_signs`
     active : the `count` front places that are unknowns
     """
     m = N.shape[2]
@@ -81,11 +96,11 @@ def eliminate_element(A, K_N, N, start, at, carry, g, W, y, dofs, active, pivots
                 B = block_plus(B, block(carry, 9 * ((i - node) * nv + j - node)))
             B = _eliminated(A, W, B, i, j, active, min(row, column, pivots), m, symmetric)
             put_block(A, 9 * (i * m + j), B)
-        _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, symmetric)
+        _eliminate_row(A, g, W, y, signs, dofs, active, row, pivots, count, m, symmetric)
 
 
 @compiled
-def eliminate(A, g, W, y, dofs, active, pivots, count, m):
+def eliminate(A, g, W, y, signs, dofs, active, pivots, count, m):
     """Eliminate the first `pivots` unknown vectors from a front that is assembled already, symmetric or not."""
     for row in range(count):
         i = active[row]
@@ -94,7 +109,7 @@ def eliminate(A, g, W, y, dofs, active, pivots, count, m):
             at = 9 * (i * m + j)
             steps = min(row, column, pivots)
             put_block(A, at, _eliminated(A, W, block(A, at), i, j, active, steps, m, False))
-        _eliminate_row(A, g, W, y, dofs, active, row, pivots, count, m, False)
+        _eliminate_row(A, g, W, y, signs, dofs, active, row, pivots, count, m, False)
 
 
 @compiled
@@ -148,8 +163,8 @@ def project(A, P, place, nv, m, first, scratch):
     P (3 nv, 3 nv) is the projector of the supports; where `first`, what they hold gets a 1 on the diagonal.
     """
     size = 3 * nv
-    for n in range(3 * m):
-        for side in range(2):
+    for side in range(2):  # A P, then P (A P)
+        for n in range(3 * m):
             for s in range(size):
                 scratch[s] = A[_entry(m, 3 * place + s, n) if side else _entry(m, n, 3 * place + s)]
             for r in range(size):

@@ -56,6 +56,8 @@ class Scratch(NamedTuple):
     M_fixed: object
     M_turning: object
     F_turning: object
+    trust: object
+    signs: object
     E: object
     dE: object
     V: object
@@ -85,6 +87,8 @@ def scratch(memory, at, width):
         rows_from(a, at.M_fixed),
         rows_from(a, at.M_turning),
         rows_from(a, at.F_turning),
+        rows_from(a, at.trust),
+        rows_from(a, at.signs),
         rows_from(a, at.E),
         rows_from(a, at.dE),
         rows_from(a, at.V),
@@ -112,6 +116,8 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
         w.g[k] = w.dead[k]
     for k in range(9 * nv * nv):
         w.carry[k] = 0.0
+    w.signs[0] = 1.0
+    w.signs[1] = 1.0
     symmetric = True
     if loads.at[0] >= 0:
         section_load(w.g, w.carry, w.x, mesh.dofs[0, pivots - nv], nv, loads.at[0], loads, w, True)
@@ -134,6 +140,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
                 w.g,
                 W,
                 w.dx,
+                w.signs,
                 dofs,
                 active,
                 eliminated,
@@ -149,17 +156,19 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
                 project_vector(w.g, projectors.dof[projector], P, w.node)
                 projector += 1
             take_carry(w.front, w.carry, pivots - nv, nv, m)
-            eliminate(w.front, w.g, W, w.dx, dofs, active, eliminated, count, m)
+            eliminate(w.front, w.g, W, w.dx, w.signs, dofs, active, eliminated, count, m)
         leave_carry(w.carry, w.front, pivots, nv, m, symmetric)
         if loads.at[e + 1] >= 0:
             section_load(w.g, w.carry, w.x, dofs[pivots], nv, loads.at[e + 1], loads, w, True)
             symmetric = False
     end = mesh.dofs[elements - 1, pivots:]
-    eliminate(w.carry, w.g, w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
+    eliminate(w.carry, w.g, w.W_end, w.dx, w.signs, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     substitute(w.W_end, w.dx, end, mesh.end, len(mesh.end), len(mesh.end), nv)
     for e in range(elements - 1, -1, -1):
         W = rows_from(w.W, 9 * e * pivots * m)
         substitute(W, w.dx, mesh.dofs[e], mesh.active[e], mesh.counts[e, 0], mesh.counts[e, 1], m)
+    for k in range(len(projectors.element)):  # rounding leaves something in what the supports hold
+        project_vector(w.dx, projectors.dof[k], projectors.P[k], w.node)
 
 
 @compiled
@@ -203,6 +212,7 @@ def after_step(lane, step, state, problem, memory, at, size):
     state.step[lane] = step
     if not step <= DIVERGED_STEP or (iteration >= PATIENCE and step > max(1.0, FALLING * before)):
         return FAILED
+    memory[at.trust, lane] = 1.0
     for k in range(size):
         memory[at.x + k, lane] += memory[at.dx + k, lane]
     noise = step <= NOISE_STEP and step > NOISE_RATIO * before
@@ -213,11 +223,11 @@ def after_step(lane, step, state, problem, memory, at, size):
 
 
 @compiled
-def after_check(lane, residual, volume, state, problem):
-    """Judge a candidate by its residual and by what is left of its sections."""
+def after_check(lane, residual, sound, state, problem):
+    """Judge a candidate by its residual, and by whether its state is `sound`."""
     state.residual[lane] = residual
     if residual <= max(problem.tolerance, problem.floor):
-        return CONVERGED if volume > SMALLEST_VOLUME else FAILED
+        return CONVERGED if sound else FAILED
     state.quiet[lane] += 1
     over = state.quiet[lane] == STAGNATION or state.iteration[lane] == problem.max_iterations
     return FAILED if over else RUNNING
@@ -266,7 +276,9 @@ def _compile(sources):
                 for lane in range(lanes):
                     if status[lane] == CANDIDATE:
                         residual = largest(memory, at.g, mesh.free, lane)
-                        status[lane] = after_check(lane, residual, memory[at.node, lane], state, problem)
+                        sign = memory[at.signs + (0 if len(loads.node) == 0 else 1), lane]
+                        sound = memory[at.node, lane] > SMALLEST_VOLUME and sign > 0.0
+                        status[lane] = after_check(lane, residual, sound, state, problem)
             for lane in range(lanes):
                 if status[lane] == CONVERGED or status[lane] == FAILED:
                     row = sample[lane]

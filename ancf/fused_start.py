@@ -163,10 +163,12 @@ def begin(lane, row, memory, at, problem, loads, start, state):
             if shape != 0.0:
                 for a in range(3):
                     memory[at.dead + 3 * v + a, lane] += shape * F[a]
+    memory[at.trust, lane] = 1.0
     if len(problem.starts):
         for k in range(len(start.x0)):
             x[k, lane] = problem.starts[row if len(problem.starts) > 1 else 0, k]
     elif start.bends:
+        memory[at.trust, lane] = 0.0
         bend(x, lane, fixed, turning, start, state.frames, state.carried, state.scratch)
 
 
