@@ -12,7 +12,7 @@ from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, Scene, Support
 from ancf.sections import Circle
-from reference.helix import tip_position
+from reference.helix import helix_tip_moment
 
 pytest.importorskip("numba")
 
@@ -45,7 +45,7 @@ def test_a_batch_of_spatial_tip_moments_ends_on_helices():
         assert np.all(found.residual <= np.maximum(1e-10, found.floor))
         if closed:
             positions = found.q.reshape(1520, -1, 3, 3)[:, -1, 0]
-            exact = np.array([tip_position(v, np.array([1.0, 0.0, 0.0])) for v in draws[:, 0]])
+            exact = np.array([helix_tip_moment(v, 1.0, 1.0, 1.0, 1.0).position[0] for v in draws[:, 0]])
             assert np.median(np.linalg.norm(positions - exact, axis=1)) <= 3e-4
 
 
@@ -54,7 +54,8 @@ def test_a_batch_of_spatial_tip_moments_ends_on_helices():
 def test_a_tip_force_is_found_from_the_straight_shape(load, slenderness):
     """theory.md 6: P L^2/(E I) = 1, 5, 10 take 5, 7 and 8 iterations with the mixed-integration-point tangent."""
     scene = Scene(
-        (replace(ROD, section=Circle(1.0 / slenderness)),), forces=(Force("rod", 1.0, np.array([0.0, 1.0, 0.0])),)
+        (replace(ROD, section=Circle(1.0 / slenderness)),),
+        forces=(Force("rod", 1.0, np.array([0.0, 1.0, 0.0])),),
     )
     tip = Model(scene)
     value = np.array([[[0.0, load * unit(tip), 0.0]]])
@@ -103,8 +104,8 @@ def test_a_compressed_column_is_not_left_straight():
         assert result.converged[0] == found
 
 
-def test_follower_loads_turn_with_their_section():
-    """A follower tip moment equals the fixed one where psi = 0 (theory.md 4): pure bending about z."""
+def test_a_follower_moment_that_bends_about_one_axis_is_a_fixed_one():
+    """theory.md 4: they agree where psi = 0."""
     fixed, follower = model(moments=(TIP,)), model(moments=(replace(TIP, direction="follower"),))
     value = np.array([[[0.0, 0.0, 2.0]]]) * unit(fixed)
     one, other = (fused.solve_rows(m, value, NO_FORCES) for m in (fixed, follower))
@@ -121,7 +122,10 @@ def test_follower_loads_turn_with_their_section():
         (Scene((ROD,), line_loads=(LineLoad("rod", np.ones(3), "follower"),)), "dead line loads"),
         (Scene((replace(ROD, elements=1),), moments=(replace(TIP, at=0.3), TIP)), "between elements"),
         (
-            Scene((replace(ROD, supports=(Support(0.0, "free_section_clamp"),)),), moments=(replace(TIP, at=0.0),)),
+            Scene(
+                (replace(ROD, supports=(Support(0.0, "free_section_clamp"),)),),
+                moments=(replace(TIP, at=0.0),),
+            ),
             "free-section clamp",
         ),
     ],
