@@ -303,7 +303,7 @@ def load_tables(model: Model) -> LoadTables:
         d0 = rod.q0[node, [element.vectors.index(R_Y), element.vectors.index(R_Z)]]
         axes[row] = [np.cross(*d0), *d0]
         W = rod.node_weights[node][directors] * units[columns][:, None]
-        moments[row] = W @ d0.T / rod.node_weights[node].max()
+        moments[row] = W @ d0.T / np.abs(rod.node_weights[node]).max()
     turning_load = np.array([nodes.index(rod.node_at(load.at)) for load in followers], dtype=np.int64)
     by_section = np.argsort(turning_load, kind="stable")
     place = {id(followers[k]): row for row, k in enumerate(by_section)}
