@@ -39,7 +39,8 @@ SUPPORTS = (
 )
 # Loads of this many E I/L: an element bends by a radian or so.
 SIZE = 2.0
-# Measured over 600 scenes: 8e-13. Both solutions lie within rounding of the residual, so issue 5's limit holds.
+# Measured over 600 scenes: 8e-13. Both solutions lie within rounding of the residual, so issue 5's limit
+# holds.
 AGREE = 1e-11
 # Rounding of one elimination without pivoting: usually 1e-15, more where a pivot is small.
 STEP = 1e-9
@@ -66,9 +67,10 @@ def loads_of(scene: Scene, rows: int = 1):
 @every_element
 @given(source=draws())
 def test_newton_steps_are_those_of_the_readable_kernel(element, source):
-    """Two steps from a strained state near an equilibrium, where no pivot vanishes: force, tangent, load tangent,
-    supports and, in the second, the stress that the first predicted. Compared are the residuals of the linear
-    systems, which rounding leaves alone however stiff the rod: K dq + g by the size of its terms.
+    """Two steps from a strained state near an equilibrium, where no pivot vanishes: force, tangent, load
+    tangent, supports and, in the second, the stress that the first predicted. Compared are the residuals of
+    the linear systems, which rounding leaves alone however stiff the rod: K dq + g by the size of its
+    terms.
     """
     scene = random_scene(source, element)
     model = Model(scene)

@@ -1,4 +1,4 @@
-"""The fused kernel at single loads: closed forms, starts, refusals, what it keeps and what it leaves alone."""
+"""The fused kernel at single loads: closed forms, starts, refusals."""
 
 from dataclasses import replace
 
@@ -52,7 +52,7 @@ def test_a_batch_of_spatial_tip_moments_ends_on_helices():
 @pytest.mark.parametrize("load", [1.0, 5.0, 10.0])
 @pytest.mark.parametrize("slenderness", [40.0, 400.0])
 def test_a_tip_force_is_found_from_the_straight_shape(load, slenderness):
-    """theory.md 6: P L^2/(E I) = 1, 5, 10 take 5, 7 and 8 iterations with the mixed-integration-point tangent."""
+    """theory.md 6: P L^2/(E I) = 1, 5, 10 take 5, 7, 8 iterations (mixed-integration-point tangent)."""
     scene = Scene(
         (replace(ROD, section=Circle(1.0 / slenderness)),),
         forces=(Force("rod", 1.0, np.array([0.0, 1.0, 0.0])),),
