@@ -1,4 +1,4 @@
-"""Whole batches of loads by one compiled kernel (extra `fast`): what `solve_batch` calls for rods that allow it.
+"""Whole batches of loads by one compiled kernel (extra `fast`), for rods that allow it.
 
 One rod of Saint Venant-Kirchhoff material under point loads; the tables of a model are built once and kept.
 A row that the kernel cannot solve is only marked: the caller decides what to do with it.
@@ -33,8 +33,9 @@ from ancf.section_law import QuadraticSection
 
 Floats = NDArray[np.float64]
 
-# Samples side by side: 8 keep the pipelines busiest, 4 take two thirds of their time for a single row (64 bytes
-# and 32 bytes a register; where the machine's are shorter, LLVM takes two). Each is compiled when first used.
+# Samples side by side: 8 keep the pipelines busiest, 4 take two thirds of their time for a single row (64
+# bytes and 32 bytes a register; where the machine's are shorter, LLVM takes two). Each is compiled when
+# first used.
 FEW, MANY = 4, 8
 # Fraction of the length within which a load stands on an element boundary.
 ON_BOUNDARY = 1e-9
@@ -229,13 +230,17 @@ def _build(model: Model, lanes: int) -> Tables:
     first = np.cumsum([0, *_sizes(model, mesh, elastic, loads)])
     count, nodes = len(loads.node), len(rod.q0)
     state = Lanes(
-        *np.zeros((4, lanes), np.int64),
-        *np.zeros((2, lanes)),
-        np.zeros((count, 3)),
-        np.zeros((count, 3)),
-        np.zeros((nodes, 3, 3)),
-        np.zeros((nodes - 1, 3)),
-        np.zeros((3, 3, 3)),
+        sample=np.zeros(lanes, np.int64),
+        status=np.zeros(lanes, np.int64),
+        iteration=np.zeros(lanes, np.int64),
+        quiet=np.zeros(lanes, np.int64),
+        step=np.zeros(lanes),
+        residual=np.zeros(lanes),
+        fixed=np.zeros((count, 3)),
+        turning=np.zeros((count, 3)),
+        frames=np.zeros((nodes, 3, 3)),
+        carried=np.zeros((nodes - 1, 3)),
+        scratch=np.zeros((3, 3, 3)),
     )
     return Tables(
         mesh,
@@ -295,8 +300,8 @@ def _aligned(rows: int, lanes: int) -> Floats:
 def _floor(model: Model) -> float:
     """Dimensionless residual that float64 leaves: eps max_i sum_j |K_ij| |q_j| with 3 x 3 blocks and vectors.
 
-    Taken once, at the reference with its positions as far from the base as the arc is long: no rotation changes
-    these norms, and no bent rod reaches farther.
+    Taken once, at the reference with its positions as far from the base as the arc is long: no rotation
+    changes these norms, and no bent rod reaches farther.
     """
     (rod,) = model.rods
     _, flat = model.residual_and_tangent(model.q0, 0.0)

@@ -1,18 +1,24 @@
 """Vectors (3,) and blocks (3, 3), row by row, as tuples of numbers: the words of the fused kernel.
 
-Their entries are registers (lanes.py); as tuples they need no memory. `K` is a lane array, `at` the row of the
-first entry. Every function is inlined.
+Their entries are registers (lanes.py); as tuples they need no memory. `K` is a lane array, `at` the row of
+the first entry. Every function is inlined.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
 # Called from compiled code only: no wrappers, which take longer to compile than the functions.
-compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-inlined = njit(
-    nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
-)
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+compiled: Any = njit(**_OPTIONS)
+inlined: Any = njit(**_OPTIONS, forceinline=True)
 
 
 @inlined

@@ -5,8 +5,11 @@ With the tables of fused_tables.py, at each axial point of an element with nodal
     v = N e,   gamma_p = v_i . v_j - v0_i . v0_j,   T = H gamma,   Q = N^T (S v),   S_ij = T_ij, 2 T_ii,
     K = N^T (B^T H B + S~ (x) I) N,   T~ = T - H delta,   delta_p = dv_i . dv_j.
 
-T~ is the stress that the last linear step dv predicted (mixed integration point): v_o . v + v . v_o - v_o . v_o
-= v . v - dv . dv with v_o = v - dv, so no stress is stored.
+T~ is the stress that the last linear step dv predicted (mixed integration point): v_o . v + v . v_o - v_o .
+v_o = v . v - dv . dv with v_o = v - dv, so no stress is stored. A start that was bent to its loads node by
+node has strains of interpolation, and stiff axes and sections make them stresses that say nothing: its
+first tangent goes without (`trust` 0). Measured on the 1520 moments of issue 5: none lost instead of up to
+six, 4.0 iterations instead of 4.2.
 
 Symbols
 -------

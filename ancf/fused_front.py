@@ -5,9 +5,11 @@ With the pivot block D = A_kk, its rows W_kj = D^-1 A_kj and y_k = D^-1 g_k,
     A_ij -= A_ik W_kj,   g_i -= A_ik y_k;     backwards   x_k = y_k - sum_j>k W_kj x_j.
 
 Row by row: a block gathers its share of the element and of all pivots before it in registers, and is stored
-once. Only the upper half is touched where the front is symmetric (A_ik = A_ki^T). There is no pivoting: an elastic
-tangent with all its unknowns has pivots of the size of its stiffness, and a sample whose pivot vanishes fails
-alone. The signs of the pivots tell a minimum of the potential from other equilibria (stepping.py). The tangent of a moment is unsymmetric: from its node on, whole fronts are eliminated.
+once. Only the upper half is touched where the front is symmetric (A_ik = A_ki^T). The tangent of a moment is
+unsymmetric: from its node on, whole fronts are eliminated.
+
+There is no pivoting: near a stable equilibrium no pivot is small, and a sample whose pivot vanishes fails
+alone. The signs of the pivots tell a minimum of the potential from other equilibria (stepping.py).
 """
 
 from __future__ import annotations
@@ -101,7 +103,7 @@ def eliminate_element(
 
 @compiled
 def eliminate(A, g, W, y, signs, dofs, active, pivots, count, m):
-    """Eliminate the first `pivots` unknown vectors from a front that is assembled already, symmetric or not."""
+    """Eliminate the first `pivots` unknown vectors from a whole front that is assembled already."""
     for row in range(count):
         i = active[row]
         for column in range(count):

@@ -1,10 +1,11 @@
 """The fused kernel: Newton's iteration of many samples of one rod, as many at once as fit a SIMD register.
 
-Every lane of the registers solves its own sample. Lanes whose sample is done take the next one, so that no lane
-waits for the slowest; a sample that fails leaves no trace in its neighbours, which share nothing but the clock.
-One iteration walks the elements once: assemble the front, add what the elements before left, eliminate
-(fused_front.py), and then back. The rule of convergence is that of newton.py, with one shortcut: a step whose
-successor is estimated to be far below the tolerance ends the iteration as well, if the residual agrees.
+Every lane of the registers solves its own sample. Lanes whose sample is done take the next one, so that no
+lane waits for the slowest; a sample that fails leaves no trace in its neighbours, which share nothing but
+the clock. One iteration walks the elements once: assemble the front, add what the elements before left,
+eliminate (fused_front.py), and then back. The rule of convergence is that of newton.py, with one shortcut:
+a step whose successor is estimated to be far below the tolerance ends the iteration as well, if the
+residual agrees.
 
 Symbols
 -------
@@ -109,7 +110,7 @@ def scratch(memory, at, width):
 
 @compiled
 def newton_step(w, mesh, elastic, projectors, loads, nv):
-    """g = minus the residual at x, then dx = K^-1 g with the mixed-integration-point tangent after a step dx."""
+    """g = minus the residual at x, and dx = K^-1 g with the mixed-integration-point tangent (old dx)."""
     elements, m = mesh.dofs.shape
     pivots = m - nv
     for k in range(3 * nv * (1 + (m // nv - 1) * elements)):
@@ -173,7 +174,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
 
 @compiled
 def right_hand_side(w, mesh, elastic, projectors, loads, nv):
-    """g = minus the residual at x, on what the supports leave free; returns the smallest det [r_x r_y r_z]."""
+    """g = minus the residual at x, on what the supports leave free; returns the least det [r_x r_y r_z]."""
     elements, m = mesh.dofs.shape
     pivots = m - nv
     for k in range(3 * nv * (1 + (m // nv - 1) * elements)):

@@ -3,14 +3,15 @@ r"""Moments and follower forces on one section, for several samples at once (eff
 The weights of the section rotation are W_k = sum_b I_kb E_b with the reference directors E_y, E_z, so that
 A = sum_k d_k W_k^T = B E^T with B = [b_y b_z] = sum_k d_k I_k. Its polar parts have closed forms:
 
-    d = |b_y x b_z|,   t^2 = tr(B^T B) + 2 d,   S = (B^T B + d I)/t,   [q_y q_z] = B S^-1,   n = b_y x b_z / d,
+    d = |b_y x b_z|,  t^2 = tr(B^T B) + 2 d,  S = (B^T B + d I)/t,  n = b_y x b_z / d,  [q_y q_z] = B S^-1,
     R = q_y E_y^T + q_z E_z^T + n E_x^T,   V = b_y q_y^T + b_z q_z^T,   G^-1 = V/d + n n^T/t
 
-(S^-1 = adj(S)/d, because det S = d and tr S = t; G = tr(V) I - V has the eigenvalues of adj(S) in the section and
-t across). Then as in rotation.py, with the columns dd_l = e_c of the tangent one after the other,
+(S^-1 = adj(S)/d, because det S = d and tr S = t; G = tr(V) I - V has the eigenvalues of adj(S) in the
+section and t across). Then as in rotation.py, with the columns dd_b = e_c of the tangent one after the
+other,
 
-    Q_k = mu x R W_k,   mu = G^-1 M,   dw = G^-1 (R W_l x e_c),   dmu = G^-1 (dM - dG mu),
-    dG mu = mu (R W_l)_c - e_c (R W_l . mu) - V (mu x dw),   dQ_k = dmu x R W_k + mu x (dw x R W_k),
+    Q_k = mu x R W_k,   mu = G^-1 M,   dw = G^-1 (R W_b x e_c),   dmu = G^-1 (dM - dG mu),
+    dG mu = mu (R W_b)_c - e_c (R W_b . mu) - V (mu x dw),   dQ_k = dmu x R W_k + mu x (dw x R W_k),
 
 dM = dw x M for the part of M that follows the section; a follower force F = R F_0 has dF = dw x F.
 """
@@ -34,13 +35,13 @@ from ancf.fused_blocks import (
 
 
 @inlined
-def _section(x, dof, director, I):
+def _section(x, dof, director, second):
     """b_y, b_z of a section."""
     first = vector(x, dof + 3 * director[0])
-    b_y, b_z = scaled(I[0, 0], first), scaled(I[0, 1], first)
+    b_y, b_z = scaled(second[0, 0], first), scaled(second[0, 1], first)
     for k in range(1, len(director)):
         d = vector(x, dof + 3 * director[k])
-        b_y, b_z = plus_scaled(b_y, I[k, 0], d), plus_scaled(b_z, I[k, 1], d)
+        b_y, b_z = plus_scaled(b_y, second[k, 0], d), plus_scaled(b_z, second[k, 1], d)
     return b_y, b_z
 
 
@@ -66,9 +67,9 @@ def _rotated(s, a):
 
 @compiled
 def section_load(G, K, x, dof, nv, load, tables, w, tangent):
-    """Add the loads on one section to G and, if `tangent`, subtract dQ/dd from the node's matrix K (nv x nv)."""
-    director, I = tables.director, tables.I[load]
-    b_y, b_z = _section(x, dof, director, I)
+    """Add the loads on one section to G and, if `tangent`, subtract dQ/dd from its node's K (nv x nv)."""
+    director, second = tables.director, tables.moments[load]
+    b_y, b_z = _section(x, dof, director, second)
     c_yy, c_yz, c_zz = dot(b_y, b_y), dot(b_y, b_z), dot(b_z, b_z)
     n = cross(b_y, b_z)
     d = math.sqrt(dot(n, n))
@@ -85,7 +86,7 @@ def section_load(G, K, x, dof, nv, load, tables, w, tangent):
     M = plus(vector(w.M_fixed, 3 * load), M_turning)
     mu = _times_G_inverse(s, M)
     for k in range(len(director)):
-        RW = plus_scaled(scaled(I[k, 0], q_y), I[k, 1], q_z)
+        RW = plus_scaled(scaled(second[k, 0], q_y), second[k, 1], q_z)
         at = dof + 3 * director[k]
         put_vector(G, at, plus(vector(G, at), cross(mu, RW)))
     first, last = tables.turning_start[load], tables.turning_start[load + 1]
@@ -95,23 +96,23 @@ def section_load(G, K, x, dof, nv, load, tables, w, tangent):
             put_vector(G, dof + 3 * v, plus_scaled(vector(G, dof + 3 * v), tables.turning_shape[f, v], F))
     if not tangent:
         return
-    for l in range(len(director)):
-        RW_l = plus_scaled(scaled(I[l, 0], q_y), I[l, 1], q_z)
-        along = dot(RW_l, mu)
+    for b in range(len(director)):
+        RW_b = plus_scaled(scaled(second[b, 0], q_y), second[b, 1], q_z)
+        along = dot(RW_b, mu)
         for c in range(3):
             e_c = (1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0, 1.0 if c == 2 else 0.0)
-            dw = _times_G_inverse(s, cross(RW_l, e_c))
-            dG_mu = minus(scaled(dot(RW_l, e_c), mu), _times_V(s, cross(mu, dw)))
+            dw = _times_G_inverse(s, cross(RW_b, e_c))
+            dG_mu = minus(scaled(dot(RW_b, e_c), mu), _times_V(s, cross(mu, dw)))
             dG_mu = minus(dG_mu, (along * e_c[0], along * e_c[1], along * e_c[2]))
             dmu = _times_G_inverse(s, minus(cross(dw, M_turning), dG_mu))
             for k in range(len(director)):
-                RW = plus_scaled(scaled(I[k, 0], q_y), I[k, 1], q_z)
+                RW = plus_scaled(scaled(second[k, 0], q_y), second[k, 1], q_z)
                 dQ = plus(cross(dmu, RW), cross(mu, cross(dw, RW)))
-                _subtract_column(K, nv, director[k], director[l], c, dQ)
+                _subtract_column(K, nv, director[k], director[b], c, dQ)
             for f in range(first, last):
                 dF = cross(dw, _rotated(s, vector(w.F_turning, 3 * f)))
                 for v in range(nv):
-                    _subtract_column(K, nv, v, director[l], c, scaled(tables.turning_shape[f, v], dF))
+                    _subtract_column(K, nv, v, director[b], c, scaled(tables.turning_shape[f, v], dF))
 
 
 @inlined

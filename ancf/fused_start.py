@@ -5,8 +5,8 @@ With the moment M carried at x, in units of E I/L, and arc length by L,
     R' = R hat(k_0 + C R^T M),   r' = R e_x
 
 by the exponential midpoint rule between nodes; the chord of an arc is shorter than the arc by
-sin(b)/b, b half the angle of bending. A follower moment M = R(x_M) M_0 depends on the frames: three rounds settle
-it well enough for a start. Forces do not enter: Newton finds them from here.
+sin(b)/b, b half the angle of bending. A follower moment M = R(x_M) M_0 depends on the frames: three rounds
+settle it well enough for a start. Forces do not enter: Newton finds them from here.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def _curvature(k, R, M, C, k_0):
 
 @compiled
 def _carry(carried, fixed, turning, load_node, frames):
-    """Moment in every interval: all those beyond it, following ones turned by the frames of their sections."""
+    """Moment in every interval: all those beyond it, following ones turned with their sections."""
     carried[:] = 0.0
     for load in range(len(fixed)):
         node = load_node[load]

@@ -2,12 +2,12 @@ r"""Tables of the fused kernel: one rod as index lists and coefficients, everyth
 
 The kernel walks the elements from x = 0 to x = L and eliminates as it goes (a frontal method): the *front* of
 an element holds the nodal vectors of its inner nodes, then of its first node, then of its last one; the first
-two groups are eliminated, the last is carried to the next element. Vectors that a support holds altogether are
-no unknowns and are left out of the lists.
+two groups are eliminated, the last is carried to the next element. Vectors that a support holds altogether
+are no unknowns and are left out of the lists.
 
 At one axial point the material part of the tangent on the generalised vectors v (energy.py) is
 
-    K_ab = sum_d u_(a,bd) v_d^T,     u_(a,q) = sum_c f_ac f_q H_(ac),q v_c,     f_p = 2 on the diagonal, else 1.
+    K_ab = sum_d u_(a,bd) v_d^T,   u_(a,q) = sum_c f_ac f_q H_(ac),q v_c,   f_p = 2 on the diagonal, else 1.
 
 H of a straight section with two axes of symmetry has 27 of 225 entries: only those are listed.
 
@@ -33,6 +33,7 @@ from ancf.model import Model
 from ancf.predictor import compliance_between_nodes
 from ancf.rod_model import RodModel
 from ancf.section_energy import force_weights, pairs
+from ancf.section_law import QuadraticSection
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -151,13 +152,13 @@ def elastic_tables(rod: RodModel) -> ElasticTables:
     element, elastic = rod.element, rod.elastic
     first, _ = rod.element_kinds
     order, kinds = front_order(rod), len(first)
-    nv, energy = len(element.vectors), rod.bending_stiffness / rod.rod.length
+    energy = rod.bending_stiffness / rod.rod.length
     rows = first if len(elastic.N) > 1 else [0] * kinds
     N = (elastic.N[rows] * np.tile(vector_units(rod), len(element.node_xi)))[..., order]
-    # A quotient as one product would round H differently from the force unit of the readable kernel.
+    assert isinstance(elastic.section, QuadraticSection)
     H = elastic.section.H[first if len(elastic.section.H) > 1 else [0] * kinds] / energy
+    i, j = pairs(N.shape[2])
     g = N.shape[2]
-    i, j = pairs(g)
     pair = np.zeros((g, g), dtype=np.int64)
     pair[i, j] = pair[j, i] = np.arange(len(i))
     v0 = elastic.v0[first]
@@ -257,7 +258,7 @@ class LoadTables(NamedTuple):
     at: Indices  # (n_el + 1,) the loaded section on each element boundary, or -1
     node: Indices  # (loads,)
     director: Indices  # (K,) which nodal vectors are directors of the section, the axis left out
-    I: Floats  # (loads, K, 2) section moments int phi_k (y, z) dA, relative
+    moments: Floats  # (loads, K, 2) section moments int phi_k (y, z) dA, relative
     axes: Floats  # (loads, 3, 3) rows E_x, E_y, E_z of the reference
     moment_load: Indices  # (moments,) the section of each moment
     moment_turns: Indices  # (moments,) 1 where it follows the section
@@ -303,7 +304,7 @@ def load_tables(model: Model) -> LoadTables:
         d0 = rod.q0[node, [element.vectors.index(R_Y), element.vectors.index(R_Z)]]
         axes[row] = [np.cross(*d0), *d0]
         W = rod.node_weights[node][directors] * units[columns][:, None]
-        moments[row] = W @ d0.T / rod.node_weights[node].max()
+        moments[row] = W @ d0.T / np.abs(rod.node_weights[node]).max()
     turning_load = np.array([nodes.index(rod.node_at(load.at)) for load in followers], dtype=np.int64)
     by_section = np.argsort(turning_load, kind="stable")
     place = {id(followers[k]): row for row, k in enumerate(by_section)}
@@ -324,7 +325,7 @@ def load_tables(model: Model) -> LoadTables:
         at=at,
         node=np.array(nodes, dtype=np.int64),
         director=np.array(columns, dtype=np.int64),
-        I=moments,
+        moments=moments,
         axes=axes,
         moment_load=np.array([nodes.index(rod.node_at(m.at)) for m in scene.moments], dtype=np.int64),
         moment_turns=np.array([m.direction == "follower" for m in scene.moments], dtype=np.int64),

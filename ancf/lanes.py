@@ -8,10 +8,12 @@ values, so that kernels are written once, as for one sample:
     a[k] = a[i] * b[j] - c[k]
 
 Written out, LLVM keeps all values of a 3 x 3 block in registers; its own loop vectoriser gives up on kernels
-with index tables, because it cannot see that the arrays do not overlap. Products may be fused with sums (FMA).
+with index tables, because it cannot see that the arrays do not overlap. Products may be fused with sums
+(FMA).
 
-W is part of the *type*, carried by a tuple of W floats: numba's cache keys on types and does not see constants
-of a module. Arrays must outlive their lane arrays, which hold bare pointers: pass them in as arguments.
+W is part of the *type*, carried by a tuple of W floats: numba's cache keys on types and does not see
+constants of a module. Arrays must outlive their lane arrays, which hold bare pointers: pass them in as
+arguments.
 """
 
 from __future__ import annotations
@@ -21,15 +23,21 @@ import operator
 from typing import Any
 
 from llvmlite import ir
+from numba import extending
 from numba.core import cgutils, types
-from numba.core.datamodel import models, register_default
+from numba.core.datamodel import models
+from numba.core.datamodel.registry import register_default
 from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic
+from numba.core.typing import templates
+from numba.core.typing.templates import AbstractTemplate, signature
 from numba.np.arrayobj import make_array
 
 FUSED = ("contract",)  # allows a * b + c in one instruction
 DOUBLE = ir.DoubleType()
+
+# Numba's own annotations do not say what these return.
+intrinsic: Any = extending.intrinsic
+infer_global: Any = templates.infer_global
 
 
 class LanesType(types.Type):
@@ -124,7 +132,7 @@ for _function, _instruction in (
 
 
 def _extremum(function: Any, comparison: str) -> None:
-    """Teach numba `min` or `max` of two registers, lane by lane; the second where the first is not a number."""
+    """Teach numba `min` or `max` of two registers, lane by lane; the second where one is not a number."""
 
     class Template(AbstractTemplate):
         def generic(self, args, kws):
@@ -192,7 +200,8 @@ def _row(builder: Any, array: Any, index: Any, width: int) -> Any:
 
 @lower_builtin(operator.getitem, LaneArrayType, types.Integer)
 def _lower_read(context, builder, sig, args):
-    return builder.load(_row(builder, *args, sig.args[0].width), align=8)
+    array, index = args
+    return builder.load(_row(builder, array, index, sig.args[0].width), align=8)
 
 
 @lower_builtin(operator.setitem, LaneArrayType, types.Integer, LanesType)

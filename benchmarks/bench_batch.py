@@ -2,8 +2,9 @@
 
     OPENBLAS_NUM_THREADS=1 python benchmarks/bench_batch.py
 
-1520 spatial tip moments (|M_x| <= 0.8, |M_y|, |M_z| <= 3 E I/L) on a straight round rod of 8 elements 3333, cold.
-Times are CPU times of one core, medians of several runs; tip errors are against 64 elements, in lengths.
+1520 spatial tip moments (|M_x| <= 0.8, |M_y|, |M_z| <= 3 E I/L) on a straight round rod of 8 elements 3333,
+cold. Times are CPU times of one core, medians of several runs; tip errors are against 64 elements, in
+lengths.
 """
 
 from __future__ import annotations
