@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from validation.cost.points import CostPoint
+from validation.cost.points import CostPoint, milliseconds
 from validation.cost.run import FamilyCost
 
 TARGETS = (1e-3, 1e-4)  # of the length
@@ -46,7 +46,9 @@ def sentence(cost: FamilyCost) -> str:
         else:
             text += f"take {found.beam.label} with {found.beam.mesh} ({milliseconds(found.beam.median)})"
         others = [
-            f"{p.model} {milliseconds(p.median)} with {p.mesh}" for p in (found.peer, found.solid) if p is not None
+            f"{p.model} {milliseconds(p.median)} with {p.mesh}"
+            for p in (found.peer, found.solid)
+            if p is not None
         ]
         parts.append(text + (f"; {', '.join(others)}" if others else ""))
     return (". ".join(part[0].upper() + part[1:] for part in parts) + ".").replace("e-0", "e-")
@@ -60,10 +62,3 @@ def _floor(cost: FamilyCost) -> str:
         return ""
     best = min(floors, key=lambda f: f.error + f.bar)
     return f": {best.model} is left with {best.error:.1e} ± {best.bar:.0e} on fine meshes"
-
-
-def milliseconds(seconds: float) -> str:
-    """A time in words, two digits."""
-    if seconds >= 0.9995:
-        return f"{seconds:.2g} s"
-    return f"{1e3 * seconds:.2g} ms" if seconds < 0.1 else f"{1e3 * seconds:.0f} ms"

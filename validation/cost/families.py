@@ -145,7 +145,9 @@ def families() -> list[Family]:
     ]
 
 
-def _arm(slenderness: float, law: str = "saint-venant-kirchhoff", nu: float = 0.3, **load: Any) -> dict[str, Any]:
+def _arm(
+    slenderness: float, law: str = "saint-venant-kirchhoff", nu: float = 0.3, **load: Any
+) -> dict[str, Any]:
     """A round arm of 0.4 m, loads in units of E I/L and E I/L^2 turned into SI."""
     rod = {
         "length": 0.4,

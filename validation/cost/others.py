@@ -49,7 +49,9 @@ def absent_references(family: Family, reference: Reference) -> list[str]:
     """Why a solid, or a section problem, is not on the axes of a family."""
     reasons = []
     if not _bends_only(family):
-        reasons.append("solid hex27: timed in pure bending only; slender or wide rods need 1e5 unknowns and more")
+        reasons.append(
+            "solid hex27: timed in pure bending only; slender or wide rods need 1e5 unknowns and more"
+        )
     if reference.kind != "exact solid":
         reasons.append("section problem: forces do not bend a rod uniformly")
     return reasons

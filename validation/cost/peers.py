@@ -6,7 +6,6 @@ model is built anew for every solve, as `ancf.solve` does, and the time of build
 
 from __future__ import annotations
 
-import importlib.metadata
 import importlib.util
 import warnings
 from collections.abc import Callable, Iterator
@@ -60,14 +59,6 @@ def installed(package: str) -> bool:
     return importlib.util.find_spec(package) is not None
 
 
-def version(package: str) -> str:
-    """Version of an installed package, else "not installed"."""
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
-
-
 def peer_points(
     family: Family, reference: Reference, meshes: tuple[int, ...], repeats: int
 ) -> Iterator[CostPoint]:
@@ -103,9 +94,7 @@ def _cannot(kind: str, family: Family) -> str:
     return ""
 
 
-def _exudyn_point(
-    kind: str, family: Family, reference: Reference, elements: int, repeats: int
-) -> CostPoint:
+def _exudyn_point(kind: str, family: Family, reference: Reference, elements: int, repeats: int) -> CostPoint:
     about: dict[str, Any] = {
         "model": f"exudyn {kind}", "kind": "peer", "formulation": "", "elements": elements,
         "mesh": elements_text(elements), "tangent": "analytic", "predictor": "none",
@@ -113,12 +102,18 @@ def _exudyn_point(
     try:
         found = _settle(lambda steps: _solve_exudyn(kind, family, elements, steps))
         runs = [found]
-        while found.position is not None and len(runs) < repeats and sum(r.build + r.solve for r in runs) < ENOUGH:
+        while (
+            found.position is not None
+            and len(runs) < repeats
+            and sum(r.build + r.solve for r in runs) < ENOUGH
+        ):
             runs.append(_solve_exudyn(kind, family, elements, found.steps))
     except Exception as error:  # another program's failure is a finding, whatever its kind
         return CostPoint(**about, status=f"failed: {type(error).__name__}: {str(error).strip()[:200]}")
     if found.position is None:
-        return CostPoint(**about, status=f"not converged in {found.steps} load steps", unknowns=found.unknowns)
+        return CostPoint(
+            **about, status=f"not converged in {found.steps} load steps", unknowns=found.unknowns
+        )
     seconds = [run.build + run.solve for run in runs]
     best = min(runs, key=lambda run: run.build + run.solve)
     return CostPoint(
@@ -194,7 +189,10 @@ def _rod_in_exudyn(
     section.inertia = density * rod.EI / EA * area * np.diag([2.0, 1.0, 1.0])
     make_node, fixed = {
         "ANCFCable2D": (lambda x: items.NodePoint2DSlope1(referenceCoordinates=[x, 0, 1, 0]), (0, 1, 3)),
-        "ANCFCable": (lambda x: items.NodePointSlope1(referenceCoordinates=[x, 0, 0, 1, 0, 0]), (0, 1, 2, 4, 5)),
+        "ANCFCable": (
+            lambda x: items.NodePointSlope1(referenceCoordinates=[x, 0, 0, 1, 0, 0]),
+            (0, 1, 2, 4, 5),
+        ),
         "GeometricallyExactBeam": (
             # Tait-Bryan angles: of its rotations the one that solves the helix, in 64 load steps.
             lambda x: items.NodeRigidBodyRxyz(referenceCoordinates=[x, 0, 0, 0, 0, 0]),

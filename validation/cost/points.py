@@ -6,9 +6,10 @@ start, Newton, checks. One thread runs, so CPU time is the wall time of a quiet 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
@@ -175,3 +176,22 @@ def _kernel_share(solution: Solution) -> float:
 def elements_text(count: int) -> str:
     """The mesh in words."""
     return f"{count} element{'s' * (count != 1)}"
+
+
+def point_dict(point: CostPoint) -> dict[str, Any]:
+    """One measurement; numbers that are not finite become null."""
+    found = {
+        name: value for name, value in asdict(point).items() if name not in ("fastest", "median", "repeats")
+    }
+    found["seconds"] = {"fastest": point.fastest, "median": point.median, "repeats": point.repeats}
+    for name in ("error", "discretisation"):
+        if found[name] is not None and not math.isfinite(found[name]):
+            found[name] = None
+    return found
+
+
+def milliseconds(seconds: float) -> str:
+    """A time in words, two digits."""
+    if seconds >= 0.9995:
+        return f"{seconds:.2g} s"
+    return f"{1e3 * seconds:.2g} ms" if seconds < 0.0995 else f"{1e3 * seconds:.0f} ms"

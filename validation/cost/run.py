@@ -87,9 +87,7 @@ def measure(family: Family, full: bool = False) -> FamilyCost:
     peers = PEER_MESHES_FULL if full else PEER_MESHES
     points += peer_points(family, reference, peers, REPEATS_FULL if full else REPEATS)
     points, floors = _with_limits(family, reference, points)
-    omissions += [
-        f"{point.label}, {point.mesh}: {point.status}" for point in points if not point.converged
-    ]
+    omissions += [f"{point.label}, {point.mesh}: {point.status}" for point in points if not point.converged]
     return FamilyCost(
         name=family.name,
         problem=family.problem,
@@ -169,7 +167,9 @@ def _with_limits(
         error = family.error(limit.value * family.length, reference)
         floors.append(Floor(*key, error, limit.bar, limit.order))
     split = [
-        replace(p, discretisation=float(np.linalg.norm(np.array(p.position) - limits[p.model, p.formulation])))
+        replace(
+            p, discretisation=float(np.linalg.norm(np.array(p.position) - limits[p.model, p.formulation]))
+        )
         if p.converged and (p.model, p.formulation) in limits
         else p
         for p in points
