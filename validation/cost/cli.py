@@ -18,7 +18,7 @@ def cost(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")] = False,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for cost.json and the figures (SVG).")
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for cost.json and figures (SVG).")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Few meshes (default), some 20 s.")] = False,
     full: Annotated[bool, typer.Option("--full", help="All meshes and settings, some minutes.")] = False,
@@ -37,8 +37,8 @@ def cost(
 
     points[] = {model, kind, formulation, elements, mesh, tangent, predictor, status, position, unknowns,
     iterations, steps, error, discretisation, seconds {fastest, median, repeats}, parts {setup, kinematics,
-    assembly, effects, linear_solve, rest}}. Errors are by the length of the rod, times are CPU seconds of warm
-    solves on one thread; what is not known is null.
+    assembly, effects, linear_solve, rest}}. Errors are by the length of the rod, times are CPU seconds of
+    warm solves on one thread; what is not known is null.
 
     Exit code 0: done. 2: the input is wrong. 3: no mesh of the scene has an equilibrium.
     """
@@ -66,7 +66,8 @@ def cost(
 
             raise InputError(
                 Message(
-                    "The results cannot be written.", str(out), str(error), "a full disk or a missing permission",
+                    "The results cannot be written.", str(out), str(error),
+                    "a full disk or a missing permission",
                     "name another folder",
                 )
             ) from error  # fmt: skip

@@ -1,7 +1,7 @@
 r"""The problem families of `ancf cost`: a rod, its load, and a reference that shares no code with ancf.
 
-Positions are by the length of the rod, which is clamped at the origin along x. A reference states its own error
-and what it answers:
+Positions are by the length of the rod, which is clamped at the origin along x. A reference states its own
+error and what it answers:
 
 exact solid   three-dimensional elasticity at any strain (`reference/section.py`): what a beam misses on fine
               meshes is its model error, of order (kappa R)^2

@@ -1,9 +1,9 @@
-r"""One scene: which element and mesh its tip needs for 1 %, 0.1 %, 0.01 % of the length, and how long that takes.
+r"""One scene: which element and mesh its tip needs for 1 %, 0.1 %, 0.01 % of the length, and its time.
 
-The scene is solved on a ladder of meshes, each twice as fine, with every element that takes it. Nothing is known
-but the ladder itself, so each element is judged by the limit of its own ladder (limits.py): an error is the
-distance from that limit plus the limit's error bar. It is a *discretisation* error. What an element cannot show
-on any mesh is not in it; how far the limits of the elements lie apart is told beside it.
+The scene is solved on a ladder of meshes, each twice as fine, with every element that takes it. Nothing is
+known but the ladder itself, so each element is judged by the limit of its own ladder (limits.py): an error is
+the distance from that limit plus its error bar. It is a *discretisation* error. What an element cannot
+show on any mesh is not in it; how far the limits of the elements lie apart is told beside it.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ class ElementLadder:
 
     Parameters
     ----------
-    points : its `CostPoint`s; `position` holds the tips of all rods by their lengths, `error` distance from the
-        limit plus error bar, `discretisation` the distance alone
+    points : its `CostPoint`s; `position` holds the tips of all rods by their lengths, `error` the distance
+        from the limit plus its error bar, `discretisation` the distance alone
     limit : None where fewer than two meshes converged
-    distance : of its limit from that of the scene's own element, by the length; None for that element itself
-        and where one of them has no limit
+    distance : of its limit from that of the scene's own element, by the length; None for that element
+        itself and where one of them has no limit
     """
 
     element: str
@@ -56,7 +56,7 @@ class ElementLadder:
     distance: float | None = None
 
     def need(self, target: float) -> CostPoint | None:
-        """The fastest mesh whose error, bar included, is within a target; None where the ladder shows none."""
+        """The fastest mesh whose error, bar included, is within a target; None: the ladder shows none."""
         good = [p for p in self.points if p.error is not None and p.error <= target]
         return min(good, key=lambda p: p.median, default=None)
 
@@ -145,7 +145,7 @@ def scene_cost(
 def _ladder(
     data: Mapping[str, Any], kind: tuple[str, str], own: bool, full: bool
 ) -> tuple[ElementLadder | None, str]:
-    """Solve on finer and finer meshes until the limit is certain or the budget is spent; a refusal in words."""
+    """Solve on ever finer meshes until the limit is certain or the budget spent; a refusal in words."""
     points: list[CostPoint] = []
     seen: set[int] = set()
     budget, spent, refusal = BUDGET_FULL if full else BUDGET, 0.0, ""

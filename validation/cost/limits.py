@@ -1,9 +1,9 @@
 r"""Where a ladder of meshes leads: Richardson's extrapolation that claims no more than the ladder shows.
 
-With differences d_1 = |x_2 - x_1|, d_2 = |x_3 - x_2| of the last three meshes, whose lengths are in one ratio
-g, the observed order is p = log(d_1/d_2)/log g; the limit is x_3 + (x_3 - x_2)/(g^p - 1), and its error bar is
-the whole of that correction. Where the differences do not fall there is no order: the last mesh stands for the
-limit, and the bar is the last difference.
+With differences d_1 = |x_2 - x_1|, d_2 = |x_3 - x_2| of the last three meshes, whose lengths are in one
+ratio g, the observed order is p = log(d_1/d_2)/log g; the limit is x_3 + (x_3 - x_2)/(g^p - 1), and its error
+bar is the whole of that correction. Where the differences do not fall there is no order: the last mesh stands
+for the limit, and the bar is the last difference.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Other people's programs on the same tasks, where they are installed: Exudyn (extra `peers`), Soromox.
 
-Each gets the plain rod (E A, G A, G J, E I), the same loads, one thread, its own best settings for statics; its
-model is built anew for every solve, as `ancf.solve` does, and the time of building is told apart.
+Each gets the plain rod (E A, G A, G J, E I), the same loads, one thread, its own best settings for statics;
+its model is built anew for every solve, as `ancf.solve` does, and the time of building is told apart.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import importlib.util
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from time import process_time
 from typing import Any
 
@@ -29,7 +30,7 @@ NEWTON_TOLERANCE = 1e-8  # relative, Exudyn's own default
 
 @dataclass(frozen=True)
 class PeerAnswer:
-    """Tip (3,) [m], unknowns, load steps, CPU seconds of building and of solving; position None: no equilibrium."""
+    """Tip (3,) [m] (None: no equilibrium), unknowns, load steps, CPU seconds of building and of solving."""
 
     position: Floats | None
     unknowns: int
@@ -178,7 +179,7 @@ def _solve_exudyn(kind: str, family: Family, elements: int, steps: int) -> PeerA
 def _rod_in_exudyn(
     exu: Any, items: Any, system: Any, kind: str, family: Family, elements: int
 ) -> tuple[list[int], Floats]:
-    """Build a clamped rod with its loads; its nodes, and the rotation (3, 3) from its axes to the family's."""
+    """Build a clamped rod with its loads; its nodes, and the rotation (3, 3) to the family's axes."""
     rod = stiffness_of(changed(family.scene, {"elements": 1}))
     EI, GJ, EA, GA = rod.EI, rod.GJ, rod.EA, 2.0 * rod.GJ / rod.radius**2
     h, area = rod.length / elements, np.pi * rod.radius**2
@@ -213,10 +214,7 @@ def _rod_in_exudyn(
         "ANCFBeam": (items.ObjectANCFBeam, {"length": h, "sectionData": section}),
     }[kind]
     nodes = [system.AddNode(make_node(h * i)) for i in range(elements + 1)]
-    bodies = [
-        system.AddObject(make_element(nodeNumbers=list(pair), **given))
-        for pair in zip(nodes[:-1], nodes[1:], strict=True)
-    ]
+    bodies = [system.AddObject(make_element(nodeNumbers=list(pair), **given)) for pair in pairwise(nodes)]
     ground = system.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=system.AddNode(items.NodePointGround()), coordinate=0)
     )
@@ -239,7 +237,7 @@ def _rod_in_exudyn(
 
 
 def _into_plane(family: Family) -> Floats:
-    """Rotation (3, 3) about the rod that brings the y axis of a planar model to the side of the family's force."""
+    """Rotation (3, 3) about the rod that brings a planar model's y axis to the family's force."""
     forces = [f["value"] for f in family.scene.get("force", [])]
     if "gravity" in family.scene:
         forces.append(family.scene["gravity"]["acceleration"])

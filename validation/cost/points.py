@@ -35,7 +35,7 @@ class CostPoint:
     status : ``converged``, or why there is no answer; then `error` is None
     position : tip (3,) by the length
     error : distance of the tip from the reference, by the length
-    discretisation : distance from the limit of this model's own ladder of meshes; None where that is not known
+    discretisation : distance from the limit of this model's own ladder of meshes; None where not known
     fastest, median : CPU seconds over the repeats
     parts : CPU seconds by phase: setup, kinematics (strains, stresses, tangents of the elements), assembly
         (into the band), effects (loads), linear_solve, rest (predictor, checks)

@@ -25,19 +25,21 @@ def families_dict(
     scaling: Sequence[ScalePoint],
 ) -> dict[str, Any]:
     """The JSON object of all families."""
-    ratio_rows = [
-        asdict(r)
-        | {"assembly_ratio": r.assembly_ratio, "paper_ratio": r.paper_ratio, "solve_ratio": r.solve_ratio}
-        for r in ratios
-    ]
     return heading("families", TARGETS) | {
-        "families": [_family(cost) for cost in costs],
-        "tangent_ratio": ratio_rows,
+        "families": [family_dict(cost) for cost in costs],
+        "tangent_ratio": [ratio_dict(ratio) for ratio in ratios],
         "scaling": [asdict(point) for point in scaling],
     }
 
 
-def _family(cost: FamilyCost) -> dict[str, Any]:
+def ratio_dict(ratio: TangentRatio) -> dict[str, Any]:
+    """Times of the two tangents and their ratios."""
+    names = ("assembly_ratio", "paper_ratio", "solve_ratio")
+    return asdict(ratio) | {name: getattr(ratio, name) for name in names}
+
+
+def family_dict(cost: FamilyCost) -> dict[str, Any]:
+    """All that was measured of one family."""
     return {
         "name": cost.name,
         "problem": cost.problem,
@@ -68,8 +70,9 @@ def _family(cost: FamilyCost) -> dict[str, Any]:
 
 def _short(point: CostPoint) -> dict[str, Any]:
     return {
-        "model": point.model, "formulation": point.formulation, "elements": point.elements, "mesh": point.mesh,
-        "tangent": point.tangent, "predictor": point.predictor, "error": point.error, "seconds": point.median,
+        "model": point.model, "formulation": point.formulation, "elements": point.elements,
+        "mesh": point.mesh, "tangent": point.tangent, "predictor": point.predictor,
+        "error": point.error, "seconds": point.median,
     }  # fmt: skip
 
 
@@ -111,14 +114,15 @@ def print_families(costs: Sequence[FamilyCost], found: dict[str, Any], console: 
         console.print(f"  {sentence(cost)}\n")
     for r in found["tangent_ratio"]:
         console.print(
-            f"{r['element']}, {r['elements']} elements: the analytic tangent is {r['paper_ratio']:.0f} times faster "
-            f"than the paper's differences by coordinate, {r['assembly_ratio']:.0f} times faster than differences "
-            f"of all elements at once; whole solve: {r['solve_ratio']:.1f} times"
+            f"{r['element']}, {r['elements']} elements: the analytic tangent is {r['paper_ratio']:.0f} times"
+            f" faster than the paper's differences by coordinate, {r['assembly_ratio']:.0f} times faster than"
+            f" differences of all elements at once; whole solve: {r['solve_ratio']:.1f} times"
         )
     for s in found["scaling"]:
         console.print(
-            f"{s['element']}, {s['elements']} elements: {milliseconds(s['seconds'])},"
-            f" {1e6 * s['seconds'] / s['elements']:.0f} us and {s['memory'] / s['elements'] / 1e3:.0f} kB an element"
+            f"{s['element']}, {s['elements']} elements: {milliseconds(s['seconds'])};"
+            f" an element: {1e6 * s['seconds'] / s['elements']:.0f} us,"
+            f" {s['memory'] / s['elements'] / 1e3:.0f} kB"
         )
 
 

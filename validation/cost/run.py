@@ -1,4 +1,4 @@
-"""Measure the families: every element of `ancf.elements.ELEMENTS`, its formulations, meshes, solver settings."""
+"""Measure the families: every element in `ancf.elements`, its formulations, meshes, solver settings."""
 
 from __future__ import annotations
 
@@ -62,6 +62,13 @@ class FamilyCost:
     floors: list[Floor] = field(default_factory=list)
     omissions: list[str] = field(default_factory=list)
     seconds: float = 0.0
+
+    def finest(self, model: str) -> CostPoint | None:
+        """The finest mesh of a model with its default settings, whatever came of it; None: no such model."""
+        first = next((p for p in self.points if p.model == model), None)
+        if first is None:
+            return None
+        return max((p for p in self.points if p.setting == first.setting), key=lambda p: p.elements)
 
 
 def measure_all(

@@ -44,12 +44,12 @@ class TangentRatio:
 
     @property
     def assembly_ratio(self) -> float:
-        """How many times faster the analytic tangent is assembled than by differences of all elements at once."""
+        """How many times faster the analytic tangent is than differences of all elements at once."""
         return self.assembly_difference / self.assembly
 
     @property
     def paper_ratio(self) -> float:
-        """How many times faster it is than by the paper's differences."""
+        """How many times faster it is than the paper's differences."""
         return self.assembly_paper / self.assembly
 
     @property

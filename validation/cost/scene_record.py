@@ -96,8 +96,8 @@ def print_scene(cost: SceneCost, found: dict[str, Any], console: Console) -> Non
         )
     console.print(table)
     console.print(
-        "Discretisation error of the tip by the length, against the limit of each element's own ladder; what an"
-        " element cannot show on any mesh is not in it."
+        "Discretisation error of the tip by the length, against the limit of each element's own ladder;"
+        " what an element cannot show on any mesh is not in it."
     )
     for omission in cost.omissions:
         console.print(f"  omitted: {omission}")
