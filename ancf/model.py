@@ -278,7 +278,7 @@ class Model:
             assert isinstance(self.system, JointSystem)
             return (self.boundary_matrix().T @ self.system.unsupported(flat) @ self.boundary_matrix()).tocsr()
         b, n = self.pattern.b, self.n
-        bands = flat.reshape(3 * b + 1, n)[b:]
+        bands = self.pattern.banded(flat)[b:]
         full = sparse.dia_array((bands, np.arange(b, -b - 1, -1)), shape=(n, n)).tocsr()
         return (self.boundary_matrix().T @ full @ self.boundary_matrix()).tocsr()
 

@@ -151,7 +151,7 @@ def _solve_exudyn(kind: str, family: Family, elements: int, steps: int) -> PeerA
         warnings.simplefilter("ignore", DeprecationWarning)
         exu.config.printToConsole = False
         container = exu.SystemContainer()
-        system = container.AddSystem()
+        system: Any = container.AddSystem()  # its stubs name the wrong types
         nodes, back = _rod_in_exudyn(exu, items, system, kind, family, elements)
         system.Assemble()
         settings = exu.SimulationSettings()

@@ -32,7 +32,7 @@ def captions(run: Run) -> dict[str, str]:
         "first, fades with the fourth. Numbers: fitted order.",
         "locking": _locking(run),
         "work": _work(run),
-        "work_unknowns": "<b>Error against unknowns.</b> Beams and solid; the marks are those above.",
+        "work_unknowns": "<b>Error against unknowns.</b> Beams and solid, marks as above.",
         "work_iterations": "<b>Error against linear solves.</b> Load steps without the predictor cost several "
         "times as many; the kind of tangent changes nothing.",
         "overlay": OVERLAY,
