@@ -3,8 +3,8 @@
 A rod couples only unknowns of one element, so with the nodes in order the tangent has a fixed half bandwidth
 and LAPACK's band LU (dgbtrf) solves it in O(n b^2).
 
-Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are room for pivoting fill. It is kept
-flat, column after column, as LAPACK wants it: nothing is copied or transposed on the way.
+Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are room for pivoting fill. It is
+kept flat, column after column, as LAPACK wants it: nothing is copied or transposed on the way.
 """
 
 from __future__ import annotations

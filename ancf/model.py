@@ -37,6 +37,11 @@ Floats = NDArray[np.float64]
 
 _name = attrgetter("name")
 
+
+def _effect_name(pair: tuple[Effect, NDArray[np.intp]]) -> str:
+    return pair[0].name
+
+
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
 
@@ -192,7 +197,7 @@ class Model:
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
-        flat = np.zeros(self.pattern.entries)
+        flat: Floats | None = None
         differences = self.scene.solver.tangent == "finite-difference"
         with self.counters.effect("elastic"):
             for rod, slots in zip(self.rods, self._rod_slots, strict=True):
@@ -204,21 +209,22 @@ class Model:
                     e_previous = None if q_previous is None else rod.element_vectors(q_previous)
                     Q_e, K_e = rod.elastic.force_and_tangent(e, e_previous)
                 _add(Q_int, rod.dofs, Q_e)
-                flat += np.bincount(slots.ravel(), K_e.ravel(), minlength=len(flat))
-        for name, effects in groupby(self.effects, key=_name):
+                blocks = np.bincount(slots.ravel(), K_e.ravel(), minlength=self.pattern.entries)
+                flat = blocks if flat is None else flat + blocks
+        assert flat is not None  # a scene has a rod
+        for name, loads in groupby(zip(self.effects, self._effect_slots, strict=True), key=_effect_name):
             with self.counters.effect(name):
-                for effect in effects:
+                for effect, slots in loads:
                     e = _blocks(q, effect.dofs)
                     Q_e, K_e = effect.force_and_tangent(e)
                     if differences and K_e is not None:
                         K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
                     _add(Q_ext, effect.dofs, Q_e)
                     if K_e is not None:
-                        slots = self.pattern.block_slots(effect.dofs)
                         np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
-        blocks = self._add_joints(Q_int, Q_ext, q, load_factor)
-        if blocks:
-            flat = np.concatenate([flat, *blocks])
+        joints = self._add_joints(Q_int, Q_ext, q, load_factor)
+        if joints:
+            flat = np.concatenate([flat, *joints])
         return Residual(Q_int, Q_ext), flat
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
@@ -256,6 +262,10 @@ class Model:
     @cached_property
     def _rod_slots(self) -> list[NDArray[np.intp]]:
         return [self.pattern.block_slots(rod.dofs) for rod in self.rods]
+
+    @cached_property
+    def _effect_slots(self) -> list[NDArray[np.intp]]:
+        return [self.pattern.block_slots(effect.dofs) for effect in self.effects]
 
     @cached_property
     def system(self) -> LinearSystem:

@@ -9,7 +9,7 @@ dofs     unknowns of the model that belong to an element (n_el, 3 nodal)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -250,8 +250,8 @@ class RodModel:
         )
         index = int(np.clip(found - 1, 0, len(breaks) - 2))
         h = breaks[index + 1] - breaks[index]
-        xi = np.clip(np.array([2.0 * (x - breaks[index]) / h - 1.0]), -1.0, 1.0)
-        N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
+        xi = float(np.clip(2.0 * (x - breaks[index]) / h - 1.0, -1.0, 1.0))
+        N, N_x = _shapes(self.element, xi, float(h))
         d0 = N @ self.e0[index]
         return SectionPoint(
             self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
@@ -295,6 +295,15 @@ class RodModel:
         if not rod.segments:
             return rod.material.young_modulus * rod.section.weaker_second_moment
         return rod.length / sum(segment.bending_compliance for segment in rod.parts)
+
+
+@lru_cache(maxsize=256)
+def _shapes(element: Element, xi: float, h: float) -> tuple[Floats, Floats]:
+    """N and N_x (directors, nodal) at one place; every scene with this element length shares them."""
+    found = [element.shape(np.array([xi]), h, derivative)[0] for derivative in (0, 1)]
+    for values in found:
+        values.setflags(write=False)
+    return found[0], found[1]
 
 
 def _spread(values: Floats, kind: Indices) -> Floats:

@@ -33,8 +33,8 @@ def captions(run: Run) -> dict[str, str]:
         "locking": _locking(run),
         "work": _work(run),
         "work_unknowns": "<b>Error against unknowns.</b> Beams and solid, marks as above.",
-        "work_iterations": "<b>Error against linear solves.</b> Load steps without the predictor cost several "
-        "times as many; the kind of tangent changes nothing.",
+        "work_iterations": "<b>Error against linear solves.</b> Load steps without the predictor cost "
+        "several times as many; the kind of tangent changes nothing.",
         "overlay": OVERLAY,
         "stress": STRESS,
         "rates": RATES,

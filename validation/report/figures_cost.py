@@ -92,7 +92,9 @@ def scene_figure(cost: SceneCost) -> Markup:
         points = [p for p in ladder.points if p.error is not None]
         marker, colour, line = _mark(ladder.element)
         x = [1e3 * p.median for p in points]
-        ax.plot(x, [p.error or 0.0 for p in points], marker=marker, color=colour, ls=line, label=ladder.element)
+        ax.plot(
+            x, [p.error or 0.0 for p in points], marker=marker, color=colour, ls=line, label=ladder.element
+        )
         for p, here in zip(points, x, strict=True):
             _name(ax, str(p.elements), here, p.error or 0.0, colour)
     ax.set_xscale("log")
