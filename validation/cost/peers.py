@@ -101,14 +101,14 @@ def _exudyn_point(kind: str, family: Family, reference: Reference, elements: int
         "mesh": elements_text(elements), "tangent": "analytic", "predictor": "none",
     }  # fmt: skip
     try:
-        found = _settle(lambda steps: _solve_exudyn(kind, family, elements, steps))
+        found = _settle(lambda steps: solve_exudyn(kind, family, elements, steps))
         runs = [found]
         while (
             found.position is not None
             and len(runs) < repeats
             and sum(r.build + r.solve for r in runs) < ENOUGH
         ):
-            runs.append(_solve_exudyn(kind, family, elements, found.steps))
+            runs.append(solve_exudyn(kind, family, elements, found.steps))
     except Exception as error:  # another program's failure is a finding, whatever its kind
         return CostPoint(**about, status=f"failed: {type(error).__name__}: {str(error).strip()[:200]}")
     if found.position is None:
@@ -141,7 +141,7 @@ def _settle(solve: Callable[[int], PeerAnswer]) -> PeerAnswer:
     return found
 
 
-def _solve_exudyn(kind: str, family: Family, elements: int, steps: int) -> PeerAnswer:
+def solve_exudyn(kind: str, family: Family, elements: int, steps: int) -> PeerAnswer:
     """One static solution with Exudyn; a planar element gets the load turned into its plane."""
     import exudyn as exu
     import exudyn.itemInterface as items
