@@ -197,21 +197,22 @@ class Model:
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
-        flat: Floats | None = None
+        flat = np.zeros(self.pattern.entries)
         differences = self.scene.solver.tangent == "finite-difference"
         with self.counters.effect("elastic"):
             for rod, slots in zip(self.rods, self._rod_slots, strict=True):
                 e = rod.element_vectors(q)
-                if differences:
-                    Q_e = rod.elastic.force(e)
-                    K_e = difference_tangent(rod.elastic.force, e, _blocks(self.unit, rod.dofs))
-                else:
-                    e_previous = None if q_previous is None else rod.element_vectors(q_previous)
-                    Q_e, K_e = rod.elastic.force_and_tangent(e, e_previous)
-                _add(Q_int, rod.dofs, Q_e)
-                blocks = np.bincount(slots.ravel(), K_e.ravel(), minlength=self.pattern.entries)
-                flat = blocks if flat is None else flat + blocks
-        assert flat is not None  # a scene has a rod
+                e_previous = None if q_previous is None else rod.element_vectors(q_previous)
+                for (run, elastic), (begin, places) in zip(rod.pieces, slots, strict=True):
+                    if differences:
+                        Q_e = elastic.force(e[run])
+                        K_e = difference_tangent(elastic.force, e[run], _blocks(self.unit, rod.dofs[run]))
+                    else:
+                        before = None if e_previous is None else e_previous[run]
+                        Q_e, K_e = elastic.force_and_tangent(e[run], before)
+                    _add(Q_int, rod.dofs[run], Q_e)
+                    entries = np.bincount(places, K_e.ravel())
+                    flat[begin : begin + len(entries)] += entries
         for name, loads in groupby(zip(self.effects, self._effect_slots, strict=True), key=_effect_name):
             with self.counters.effect(name):
                 for effect, slots in loads:
@@ -260,8 +261,13 @@ class Model:
         return BandPattern(self.motions, max(rod.dofs.shape[1] for rod in self.rods) - 1)
 
     @cached_property
-    def _rod_slots(self) -> list[NDArray[np.intp]]:
-        return [self.pattern.block_slots(rod.dofs) for rod in self.rods]
+    def _rod_slots(self) -> list[list[tuple[int, NDArray[np.intp]]]]:
+        """For the pieces of each rod: where they begin in the band, and the places of their blocks from there."""
+        found = []
+        for rod in self.rods:
+            slots = [self.pattern.block_slots(rod.dofs[run]).ravel() for run, _ in rod.pieces]
+            found.append([(int(places.min()), places - places.min()) for places in slots])
+        return found
 
     @cached_property
     def _effect_slots(self) -> list[NDArray[np.intp]]:
@@ -331,4 +337,6 @@ def _blocks(q: Floats, dofs: NDArray[np.intp]) -> Floats:
 
 
 def _add(total: Floats, dofs: NDArray[np.intp], Q: Floats) -> None:
-    total += np.bincount(dofs.ravel(), Q.ravel(), minlength=len(total))
+    begin = int(dofs[0, 0])  # the smallest: unknowns ascend along a rod
+    added = np.bincount(dofs.ravel() - begin, Q.ravel())
+    total[begin : begin + len(added)] += added

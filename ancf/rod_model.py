@@ -8,7 +8,7 @@ dofs     unknowns of the model that belong to an element (n_el, 3 nodal)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -43,6 +43,8 @@ from ancf.supports import NodeSupport, support_rows
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+PIECE = 128  # elements whose kernel runs at once: some 2 MB of temporaries
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,24 @@ class RodModel:
         else:
             section = QuadratureSection(self._groups(v0))
         return ElasticRod(_spread(N, kind), section, self.e0, columns)
+
+    @cached_property
+    def pieces(self) -> list[tuple[slice, ElasticRod]]:
+        """The elements in runs of `PIECE` with the kernel of each, where equal elements share their data.
+
+        The kernel's temporaries, ten times the tangent, then stay in the cache however long the rod is.
+        """
+        elastic, count = self.elastic, len(self.e0)
+        own = [
+            value
+            for name, value in vars(elastic).items()
+            if name in {f.name for f in fields(elastic)} - {"e0"} and np.shape(value)[:1] == (count,)
+        ]
+        shared = isinstance(elastic.section, QuadraticSection) and len(elastic.section.H) == 1 and not own
+        if count <= PIECE or not shared:
+            return [(slice(0, count), elastic)]
+        runs = [slice(first, min(first + PIECE, count)) for first in range(0, count, PIECE)]
+        return [(run, replace(elastic, e0=elastic.e0[run])) for run in runs]
 
     def _local(self, element: int, xi: float) -> Rod:
         """The prismatic rod that an element is at xi."""
