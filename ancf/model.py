@@ -262,7 +262,7 @@ class Model:
 
     @cached_property
     def _rod_slots(self) -> list[list[tuple[int, NDArray[np.intp]]]]:
-        """For the pieces of each rod: where they begin in the band, and the places of their blocks from there."""
+        """Where the pieces of each rod begin in the band, and the places of their blocks from there."""
         found = []
         for rod in self.rods:
             slots = [self.pattern.block_slots(rod.dofs[run]).ravel() for run, _ in rod.pieces]

@@ -131,6 +131,17 @@ def test_what_is_not_reached_is_said_and_other_limits_do_not_count():
     assert advice(nothing) == "No mesh has an equilibrium."
 
 
+def test_a_coarse_mesh_may_be_lucky():
+    """An error that falls through the target and rises again to the model's own does not count."""
+    limit = ladder.LadderLimit(np.zeros(3), 1e-5, 4.0)
+    points = [_point("3333", n, error, n) for n, error in ((2, 5e-5), (4, 2e-4), (8, 1e-4), (16, 1e-4))]
+    found = ladder.ElementLadder("3333", "enhanced", points, limit)
+    for target, elements in ((1e-3, 2), (1e-4, 8)):
+        need = found.need(target)
+        assert need is not None and need.elements == elements
+    assert found.need(7e-5) is None
+
+
 def test_a_scene_without_equilibrium_has_no_limit(tmp_path):
     """Saint Venant-Kirchhoff carries no compression beyond a stretch of 0.577."""
     path = tmp_path / "crushed.toml"

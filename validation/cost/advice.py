@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from validation.cost.points import CostPoint, milliseconds
+from validation.cost.points import CostPoint, milliseconds, reached
 from validation.cost.run import FamilyCost
 
 TARGETS = (1e-3, 1e-4)  # of the length
-ALIKE = 1.15  # times this close are one: then the setting that comes first, the default, is named
+ALIKE = 1.25  # times this close are one: then the setting that comes first, the default, is named
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ def cheapest(cost: FamilyCost) -> list[Cheapest]:
 
 
 def _cheapest(points: Sequence[CostPoint], kind: str, target: float) -> CostPoint | None:
-    good = [p for p in points if p.kind == kind and p.converged and p.error is not None and p.error <= target]
+    good = reached([p for p in points if p.kind == kind], target)
     fastest = min((p.median for p in good), default=0.0)
     return next((p for p in good if p.median <= ALIKE * fastest), None)
 

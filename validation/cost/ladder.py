@@ -24,7 +24,7 @@ from ancf.errors import InputError, Message
 from ancf.solution import Solution
 from ancf.solver import prepare
 from validation.cost.limits import LadderLimit, ladder_limit
-from validation.cost.points import CostPoint, elements_text, parts_of, timed
+from validation.cost.points import CostPoint, elements_text, parts_of, reached, timed
 
 Floats = NDArray[np.float64]
 
@@ -57,8 +57,7 @@ class ElementLadder:
 
     def need(self, target: float) -> CostPoint | None:
         """The fastest mesh whose error, bar included, is within a target; None: the ladder shows none."""
-        good = [p for p in self.points if p.error is not None and p.error <= target]
-        return min(good, key=lambda p: p.median, default=None)
+        return min(reached(self.points, target), key=lambda p: p.median, default=None)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, TypeVar
 
@@ -81,6 +81,20 @@ class CostPoint:
         if self.predictor == "none":
             parts.append("no predictor")
         return ", ".join(parts)
+
+
+def reached(points: Iterable[CostPoint], target: float) -> list[CostPoint]:
+    """Points within a target that every finer mesh of their setting keeps: a coarse mesh may be lucky."""
+    every = list(points)
+
+    def within(point: CostPoint) -> bool:
+        return point.converged and point.error is not None and point.error <= target
+
+    return [
+        p
+        for p in every
+        if all(within(q) for q in every if q.setting == p.setting and q.elements >= p.elements)
+    ]
 
 
 def timed(run: Callable[[], T], repeats: int) -> tuple[list[T], list[float]]:
