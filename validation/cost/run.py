@@ -18,7 +18,7 @@ from validation.cost.peers import absent_peers, peer_points
 from validation.cost.points import CostPoint, beam_point
 
 MESHES = (2, 4, 8, 16, 32)
-MESHES_FULL = (1, *MESHES, 64)
+MESHES_FULL = (*MESHES, 64)
 # Where other solver settings are compared, in a quick run of one element only.
 COMPARED_ELEMENT = "3333"
 COMPARED, COMPARED_FULL = (8,), (4, 16)
