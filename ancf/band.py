@@ -3,7 +3,8 @@
 A rod couples only unknowns of one element, so with the nodes in order the tangent has a fixed half bandwidth
 and LAPACK's band LU (dgbtrf) solves it in O(n b^2).
 
-Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are room for pivoting fill.
+Storage (LAPACK): entry (i, j) at ``ab[2 b + i - j, j]``; the first b rows are room for pivoting fill. It is
+kept flat, column after column, as LAPACK wants it: nothing is copied or transposed on the way.
 """
 
 from __future__ import annotations
@@ -32,11 +33,15 @@ class BandPattern:
 
     def slots(self, rows: Indices, columns: Indices) -> Indices:
         """Flat storage positions of the entries (rows, columns), broadcast against each other."""
-        return (2 * self.b + rows - columns) * self.n + columns
+        return columns * (3 * self.b + 1) + 2 * self.b + rows - columns
 
     def block_slots(self, dofs: Indices) -> Indices:
         """Flat storage positions (m, nd, nd) of dense blocks on the unknowns dofs (m, nd)."""
         return self.slots(dofs[:, :, None], dofs[:, None, :])
+
+    def banded(self, flat: Floats) -> Floats:
+        """The flat storage as LAPACK's ``ab`` (3 b + 1, n); a view."""
+        return flat.reshape(self.n, 3 * self.b + 1).T
 
     @property
     def entries(self) -> int:
@@ -95,8 +100,11 @@ class BandLU:
 
 
 def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
-    """LU factors of the matrix in flat band storage; raises `SingularMatrixError` for a zero pivot."""
-    lu, pivots, info = _gbtrf(flat.reshape(3 * pattern.b + 1, pattern.n), pattern.b, pattern.b)
+    """LU factors of the matrix in flat band storage, which they overwrite.
+
+    Raises `SingularMatrixError` for a zero pivot.
+    """
+    lu, pivots, info = _gbtrf(pattern.banded(flat), pattern.b, pattern.b, overwrite_ab=1)
     if info > 0:
         raise SingularMatrixError(f"zero pivot at unknown {info - 1}")
     return BandLU(pattern, lu, pivots)
@@ -104,7 +112,7 @@ def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
 
 def is_positive_definite(pattern: BandPattern, flat: Floats) -> bool:
     """Whether a symmetric matrix in flat band storage has positive eigenvalues only (Cholesky succeeds)."""
-    lower = flat.reshape(3 * pattern.b + 1, pattern.n)[2 * pattern.b :]
+    lower = pattern.banded(flat)[2 * pattern.b :]
     _, info = _pbtrf(lower, lower=1)
     return info == 0
 

@@ -50,7 +50,7 @@ def _run(models: list[Model], starts: Floats, deadline: float) -> list[NewtonRun
         q = np.array([run.q for run in going])
         # All rows step together, so either none or all of them have a previous iterate.
         previous = [run.q_previous for run in going if run.q_previous is not None]
-        elastic = models[0].elastic_terms(q, np.array(previous) if previous else None)
+        elastic = list(models[0].elastic_terms(q, np.array(previous) if previous else None))
         for index, run in enumerate(going):
             try:
                 terms = [(Q[index], K[index]) for Q, K in elastic]

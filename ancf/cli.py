@@ -28,8 +28,9 @@ DESCRIPTIONS = {
     "check": "Check a scene and list what would be simulated.",
     "validate": "Run the validation and write report.json.",
     "report": "Run the validation and write report.html beside report.json.",
+    "cost": "Show what accuracy costs in time, for problem families or for one scene.",
 }
-LATER_COMMANDS = ("cost", "dataset", "train", "crossval", "track", "invert")
+LATER_COMMANDS = ("dataset", "train", "crossval", "track", "invert")
 
 # Third-party package -> extra of this project that brings it.
 EXTRAS = {

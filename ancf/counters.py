@@ -20,12 +20,6 @@ class Counters:
     def effect(self, name: str) -> Iterator[None]:
         """Count one evaluation of an effect, whatever the number of its loads, and its time."""
         self.calls[name] += 1
-        with self.effect_time(name):
-            yield
-
-    @contextmanager
-    def effect_time(self, name: str) -> Iterator[None]:
-        """Time that an effect takes beside its evaluation."""
         started = time.perf_counter()
         yield
         self.seconds[name] += time.perf_counter() - started

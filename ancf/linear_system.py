@@ -12,6 +12,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ancf.band import BandPattern, Factors, factorise, is_positive_definite, negative_eigenvalues
@@ -50,16 +51,14 @@ class LinearSystem:
     def _scale(self) -> Floats:
         """Factor of each band entry that makes the tangent dimensionless, 0 outside the matrix."""
         b, n = self.pattern.b, self.pattern.n
-        row = np.arange(n) + np.arange(-2 * b, b + 1)[:, None]
-        inside = (row >= 0) & (row < n)
-        left = np.where(inside, (1.0 / self.force_unit)[np.clip(row, 0, n - 1)], 0.0)
-        return (left * self.unit[:n]).ravel()
+        left = np.concatenate([np.zeros(2 * b), 1.0 / self.force_unit[:n], np.zeros(b)])
+        return (sliding_window_view(left, 3 * b + 1) * self.unit[:n, None]).ravel()
 
     @cached_property
     def _rows(self) -> Indices:
         """Row of each band entry; entries outside the matrix are zero and count for the nearest row."""
         b, n = self.pattern.b, self.pattern.n
-        return np.clip(np.arange(n) + np.arange(-2 * b, b + 1)[:, None], 0, n - 1).ravel()
+        return np.clip(np.arange(n)[:, None] + np.arange(-2 * b, b + 1), 0, n - 1).ravel()
 
     @cached_property
     def _support_slots(self) -> list[tuple[Indices, Indices, Indices]]:
@@ -112,5 +111,5 @@ class LinearSystem:
 
     def row_sum(self, flat: Floats, q: Floats) -> float:
         """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q does to them."""
-        entries = np.abs(flat * self._scale).reshape(-1, self.pattern.n) * np.abs(q / self.unit)
+        entries = np.abs(flat * self._scale).reshape(self.pattern.n, -1) * np.abs(q / self.unit)[:, None]
         return float(np.max(np.bincount(self._rows, entries.ravel())))

@@ -7,6 +7,7 @@ digits as one at the origin; the base is added on output.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ class Mesh:
     node_x: Floats  # (n_nodes,) m
     nodes_of: NDArray[np.intp]  # (n_el, nodes per element)
 
-    @property
+    @cached_property
     def h(self) -> Floats:
         """Element lengths (n_el,) [m]."""
         return np.diff(self.breaks)

@@ -10,6 +10,7 @@ L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 a
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,6 +38,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _name = attrgetter("name")
+
+
+def _effect_name(pair: tuple[Effect, NDArray[np.intp]]) -> str:
+    return pair[0].name
+
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
 EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
@@ -190,52 +196,54 @@ class Model:
         """
         return self.assembled(self.elastic_terms(q, q_previous), q, load_factor)
 
-    def elastic_terms(self, q: Floats, q_previous: Floats | None = None) -> list[tuple[Floats, Floats]]:
-        """Elastic force (..., n_el, nodal, 3) and tangent (..., n_el, nd, nd) of each rod at q (..., n).
+    def elastic_terms(self, q: Floats, q_previous: Floats | None = None) -> Iterator[tuple[Floats, Floats]]:
+        """Elastic force (..., m, nodal, 3) and tangent (..., m, nd, nd) at q (..., n), piece by piece of each rod.
 
         With leading axes for many states at once (the analytic tangent only).
         """
-        terms = []
+        differences = self.scene.solver.tangent == "finite-difference"
         with self.counters.effect("elastic"):
             for rod in self.rods:
                 e = rod.element_vectors(q)
-                if self.scene.solver.tangent == "finite-difference":
-                    K_e = difference_tangent(rod.elastic.force, e, _blocks(self.unit, rod.dofs))
-                    terms.append((rod.elastic.force(e), K_e))
-                else:
-                    e_previous = None if q_previous is None else rod.element_vectors(q_previous)
-                    terms.append(rod.elastic.force_and_tangent(e, e_previous))
-        return terms
+                e_previous = None if q_previous is None else rod.element_vectors(q_previous)
+                for run, elastic in rod.pieces:
+                    here = e[..., run, :, :]
+                    if differences:
+                        unit = _blocks(self.unit, rod.dofs[run])
+                        yield elastic.force(here), difference_tangent(elastic.force, here, unit)
+                    else:
+                        before = None if e_previous is None else e_previous[..., run, :, :]
+                        yield elastic.force_and_tangent(here, before)
 
     def assembled(
-        self, elastic: list[tuple[Floats, Floats]], q: Floats, load_factor: float
+        self, elastic: Iterable[tuple[Floats, Floats]], q: Floats, load_factor: float
     ) -> tuple[Residual, Floats]:
         """`residual_and_tangent` of one state q (n,) from its elastic terms."""
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         flat = np.zeros(self.pattern.entries)
-        with self.counters.effect_time("elastic"):
-            for rod, slots, (Q_e, K_e) in zip(self.rods, self._rod_slots, elastic, strict=True):
-                _add(Q_int, rod.dofs, Q_e)
-                flat += np.bincount(slots.ravel(), K_e.ravel(), minlength=len(flat))
-        for name, effects in groupby(self.effects, key=_name):
+        for (dofs, begin, places), (Q_e, K_e) in zip(self._piece_slots, elastic, strict=True):
+            _add(Q_int, dofs, Q_e)
+            entries = np.bincount(places, K_e.ravel())
+            flat[begin : begin + len(entries)] += entries
+        for name, loads in groupby(zip(self.effects, self._effect_slots, strict=True), key=_effect_name):
             with self.counters.effect(name):
-                for effect in effects:
+                for effect, slots in loads:
                     e = _blocks(q, effect.dofs)
                     Q_e, K_e = effect.force_and_tangent(e)
                     if K_e is not None and self.scene.solver.tangent == "finite-difference":
                         K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
                     _add(Q_ext, effect.dofs, Q_e)
                     if K_e is not None:
-                        slots = self.pattern.block_slots(effect.dofs)
                         np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
-        blocks = self._add_joints(Q_int, Q_ext, q, load_factor)
-        if blocks:
-            flat = np.concatenate([flat, *blocks])
+        joints = self._add_joints(Q_int, Q_ext, q, load_factor)
+        if joints:
+            flat = np.concatenate([flat, *joints])
         return Residual(Q_int, Q_ext), flat
 
     def under(self, scene: Scene) -> Model:
         """The model of a scene that differs in the values of its loads only; all other arrays are shared."""
-        _ = (self.system, self._rod_slots, self.force_unit, self.q0)  # made once, shared by all copies
+        # Made once, shared by all copies.
+        _ = (self.system, self._piece_slots, self._effect_slots, self.force_unit, self.q0)
         model = copy(self)
         model.scene = scene
         model.effects = load_effects(scene, self.rods)
@@ -274,8 +282,19 @@ class Model:
         return BandPattern(self.motions, max(rod.dofs.shape[1] for rod in self.rods) - 1)
 
     @cached_property
-    def _rod_slots(self) -> list[NDArray[np.intp]]:
-        return [self.pattern.block_slots(rod.dofs) for rod in self.rods]
+    def _piece_slots(self) -> list[tuple[NDArray[np.intp], int, NDArray[np.intp]]]:
+        """Unknowns of each piece of the rods, where it begins in the band, and its blocks' places from there."""
+        found = []
+        for rod in self.rods:
+            for run, _ in rod.pieces:
+                dofs = rod.dofs[run]
+                places = self.pattern.block_slots(dofs).ravel()
+                found.append((dofs, int(places.min()), places - places.min()))
+        return found
+
+    @cached_property
+    def _effect_slots(self) -> list[NDArray[np.intp]]:
+        return [self.pattern.block_slots(effect.dofs) for effect in self.effects]
 
     @cached_property
     def system(self) -> LinearSystem:
@@ -298,7 +317,7 @@ class Model:
             assert isinstance(self.system, JointSystem)
             return (self.boundary_matrix().T @ self.system.unsupported(flat) @ self.boundary_matrix()).tocsr()
         b, n = self.pattern.b, self.n
-        bands = flat.reshape(3 * b + 1, n)[b:]
+        bands = self.pattern.banded(flat)[b:]
         full = sparse.dia_array((bands, np.arange(b, -b - 1, -1)), shape=(n, n)).tocsr()
         return (self.boundary_matrix().T @ full @ self.boundary_matrix()).tocsr()
 
@@ -350,4 +369,6 @@ def _blocks(q: Floats, dofs: NDArray[np.intp]) -> Floats:
 
 
 def _add(total: Floats, dofs: NDArray[np.intp], Q: Floats) -> None:
-    total += np.bincount(dofs.ravel(), Q.ravel(), minlength=len(total))
+    begin = int(dofs[0, 0])  # the smallest: unknowns ascend along a rod
+    added = np.bincount(dofs.ravel() - begin, Q.ravel())
+    total[begin : begin + len(added)] += added

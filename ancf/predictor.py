@@ -223,6 +223,9 @@ def compliance_between_nodes(rod: RodModel) -> Floats:
     found = np.empty((len(first), spans, 3, 3))
     for row, index in enumerate(first):
         material = rod.material_of(index)
+        if not rod.rod.parts[int(rod.part_of[index])].tapered:
+            found[row] = _section_compliance(rod.rod.prismatic(rod.section_in(index, 0.0), material))
+            continue
         for span in range(spans):
             places = 0.5 * (edges[span] * (1.0 - xi) + edges[span + 1] * (1.0 + xi))
             sections = [rod.section_in(index, float(s)) for s in places]

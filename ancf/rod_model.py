@@ -8,8 +8,8 @@ dofs     unknowns of the model that belong to an element (n_el, 3 nodal)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,8 @@ from ancf.supports import NodeSupport, support_rows
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+PIECE = 128  # elements whose kernel runs at once: some 2 MB of temporaries
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,24 @@ class RodModel:
             section = QuadratureSection(self._groups(v0))
         return ElasticRod(_spread(N, kind), section, self.e0, columns)
 
+    @cached_property
+    def pieces(self) -> list[tuple[slice, ElasticRod]]:
+        """The elements in runs of `PIECE` with the kernel of each, where equal elements share their data.
+
+        The kernel's temporaries, ten times the tangent, then stay in the cache however long the rod is.
+        """
+        elastic, count = self.elastic, len(self.e0)
+        own = [
+            value
+            for name, value in vars(elastic).items()
+            if name in {f.name for f in fields(elastic)} - {"e0"} and np.shape(value)[:1] == (count,)
+        ]
+        shared = isinstance(elastic.section, QuadraticSection) and len(elastic.section.H) == 1 and not own
+        if count <= PIECE or not shared:
+            return [(slice(0, count), elastic)]
+        runs = [slice(first, min(first + PIECE, count)) for first in range(0, count, PIECE)]
+        return [(run, replace(elastic, e0=elastic.e0[run])) for run in runs]
+
     def _local(self, element: int, xi: float) -> Rod:
         """The prismatic rod that an element is at xi."""
         return self.rod.prismatic(self.section_in(element, xi), self.material_of(element))
@@ -250,8 +270,8 @@ class RodModel:
         )
         index = int(np.clip(found - 1, 0, len(breaks) - 2))
         h = breaks[index + 1] - breaks[index]
-        xi = np.clip(np.array([2.0 * (x - breaks[index]) / h - 1.0]), -1.0, 1.0)
-        N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
+        xi = float(np.clip(2.0 * (x - breaks[index]) / h - 1.0, -1.0, 1.0))
+        N, N_x = _shapes(self.element, xi, float(h))
         d0 = N @ self.e0[index]
         return SectionPoint(
             self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
@@ -295,6 +315,15 @@ class RodModel:
         if not rod.segments:
             return rod.material.young_modulus * rod.section.weaker_second_moment
         return rod.length / sum(segment.bending_compliance for segment in rod.parts)
+
+
+@lru_cache(maxsize=256)
+def _shapes(element: Element, xi: float, h: float) -> tuple[Floats, Floats]:
+    """N and N_x (directors, nodal) at one place; every scene with this element length shares them."""
+    found = [element.shape(np.array([xi]), h, derivative)[0] for derivative in (0, 1)]
+    for values in found:
+        values.setflags(write=False)
+    return found[0], found[1]
 
 
 def _spread(values: Floats, kind: Indices) -> Floats:

@@ -25,14 +25,15 @@ F, M         force and moment (m + 1, 3) on the nodes
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky_banded, solve_banded
+from scipy.linalg import get_lapack_funcs
 
 from ancf.elements import R_Y, R_Z
 from ancf.hyperelastic import Law
@@ -42,6 +43,8 @@ from ancf.scene import Scene
 from ancf.sections import Section
 
 Floats = NDArray[np.float64]
+
+_pbtrf, _gbsv = get_lapack_funcs(("pbtrf", "gbsv"), dtype=np.float64)
 
 MAX_ITERATIONS = 100  # linear solves; five are usual, and one costs a tenth of one of the elements'
 MOST_DOWNHILL = 300  # the same with a potential: every step succeeds, but leaving an unstable shape is slow
@@ -71,7 +74,7 @@ class NodalLoads:
         """Whether any force acts."""
         return bool(np.any(self.force) or np.any(self.turning_force))
 
-    @property
+    @cached_property
     def dead_forces_only(self) -> bool:
         """Whether all loads are dead forces, which have a potential."""
         return not any(np.any(load) for load in (self.moment, self.turning_force, self.turning_moment))
@@ -173,14 +176,14 @@ class Chain:
         theta = log(np.swapaxes(R[:-1], -1, -2) @ R[1:])
         middle = R[:-1] @ exp(0.5 * theta)
         m = np.einsum("nij,njk,nk->ni", middle, self.C, theta / self.h[:, None] - self.k_0)
-        half_angle = 0.5 * np.linalg.norm(theta[:, 1:], axis=1)
+        half_angle = 0.5 * np.hypot(theta[:, 1], theta[:, 2])
         chord = (self.h * np.sinc(half_angle / np.pi))[:, None] * middle[:, :, 0]
         Q = R @ np.swapaxes(self.R_0, -1, -2)
         n = self._interval_forces(loads.force + np.einsum("nij,nj->ni", Q, loads.turning_force))
         g = loads.moment + np.einsum("nij,nj->ni", Q, loads.turning_moment)
         for node, arm, force in loads.levers:
             g[node] += np.cross(Q[node] @ arm, force)
-        couple = 0.5 * np.cross(chord, n)
+        couple = 0.5 * (hat(chord) @ n[..., None])[..., 0]
         g[:-1] += m + couple
         g[1:] += couple - m
         g[self.held] = 0.0
@@ -223,16 +226,15 @@ class Chain:
         blocks[0, min(self.held + 1, count - 1)] *= self.held == count - 1
         blocks[1, self.held] = -self.unit * np.eye(3)
         slots, inside = _slots(count)
-        banded = np.zeros((2 * BAND + 1) * 3 * count)
-        banded[slots] = blocks.ravel()[inside]
-        banded = banded.reshape(2 * BAND + 1, 3 * count)
-        try:
-            if loads.dead_forces_only:  # no step towards a saddle of the potential: fails unless it is convex
-                cholesky_banded(-banded[BAND:], lower=True, check_finite=False)
-            w = solve_banded((BAND, BAND), banded, -g.ravel(), check_finite=False)
-        except np.linalg.LinAlgError:
-            return None
-        return w.reshape(count, 3)
+        flat = np.zeros((3 * BAND + 1) * 3 * count)
+        flat[slots] = blocks.ravel()[inside]
+        banded = flat.reshape(3 * count, 3 * BAND + 1).T
+        if loads.dead_forces_only:  # no step towards a saddle of the potential: fails unless it is convex
+            _, info = _pbtrf(-banded[2 * BAND :], lower=1, overwrite_ab=1)
+            if info != 0:
+                return None
+        _, _, w, info = _gbsv(BAND, BAND, banded, -g.ravel(), overwrite_ab=1, overwrite_b=1)
+        return w.reshape(count, 3) if info == 0 else None
 
 
 @lru_cache(maxsize=16)
@@ -241,9 +243,9 @@ def _slots(count: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     row = 3 * np.arange(count)[:, None, None] + np.arange(3)[:, None]
     column = 3 * (np.arange(count) + np.arange(-1, 2)[:, None])[..., None, None] + np.arange(3)
     inside = np.broadcast_to((column >= 0) & (column < 3 * count), (3, count, 3, 3))
-    place = (BAND + row - column) * 3 * count + column
+    place = column * (3 * BAND + 1) + 2 * BAND + row - column  # columns of LAPACK's ab, as in band.py
     return place[inside], inside.ravel()
 
 
 def _size(vectors: Floats) -> float:
-    return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
+    return math.sqrt(np.max(np.einsum("...i,...i->...", vectors, vectors), initial=0.0))

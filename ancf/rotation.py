@@ -14,6 +14,8 @@ Floats = NDArray[np.float64]
 
 _SMALL_ANGLE = 1e-4  # below it the series to fourth order is exact in float64 (1e-16 / 720)
 
+# Where the axial vector of a matrix takes its components: m[row, column] - m[column, row].
+_AXIAL_ROW, _AXIAL_COLUMN = np.array([2, 0, 1]), np.array([1, 2, 0])
 
 # hat(v) is linear in v: row k holds the skew matrix of unit vector k. One product beats six assignments.
 _HAT = np.array(
@@ -32,44 +34,53 @@ def hat(v: Floats) -> Floats:
 
 
 def exp(v: Floats) -> Floats:
-    """Rotation (..., 3, 3) by the rotation vector v (..., 3) [rad] (Rodrigues)."""
+    """Rotation (..., 3, 3) by the rotation vector v (..., 3) [rad] (Rodrigues).
+
+    I + sin(a)/a hat(v) + 2 (sin(a/2)/a)^2 (v v^T - a^2 I), a = |v|.
+    """
     v = np.asarray(v, dtype=float)
-    angle2 = np.sum(v * v, axis=-1)[..., None, None]
-    angle = np.sqrt(angle2)
-    small = angle < _SMALL_ANGLE
-    safe = np.where(small, 1.0, angle)
-    a = np.where(small, 1.0 - angle2 / 6.0 + angle2**2 / 120.0, np.sin(safe) / safe)
-    b = np.where(small, 0.5 - angle2 / 24.0 + angle2**2 / 720.0, 2.0 * (np.sin(0.5 * safe) / safe) ** 2)
-    skew = hat(v)
-    return np.eye(3) + a * skew + b * (skew @ skew)
+    angle2 = np.einsum("...i,...i->...", v, v)
+    angle = np.sqrt(angle2) / np.pi
+    a, b = np.sinc(angle), 0.5 * np.sinc(0.5 * angle) ** 2
+    R = a[..., None, None] * hat(v) + (b[..., None] * v)[..., None] * v[..., None, :]
+    diagonal = np.einsum("...ii->...i", R)  # a view
+    diagonal += (1.0 - b * angle2)[..., None]
+    return R
 
 
 def log(rotation: Floats) -> Floats:
     """Rotation vector (..., 3) [rad] of a rotation (..., 3, 3), angle in [0, pi].
 
-    Through the unit quaternion, which keeps all digits up to and at the angle pi.
+    Below 120 degrees sine and cosine of the angle are enough; beyond, the unit quaternion keeps all digits up
+    to and at the angle pi.
     """
     m = np.asarray(rotation, dtype=float)
-    trace = np.trace(m, axis1=-2, axis2=-1)
-    # Of the four equivalent quaternion formulas, take for each rotation the one with the largest divisor.
-    outer = np.empty((*m.shape[:-2], 4, 4))
-    axial = np.stack(
-        [m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]], axis=-1
-    )
-    outer[..., 0, 0] = 1.0 + trace
-    outer[..., 0, 1:] = outer[..., 1:, 0] = axial
-    outer[..., 1:, 1:] = m + np.swapaxes(m, -1, -2) + (1.0 - trace)[..., None, None] * np.eye(3)
-    diagonal = np.diagonal(outer, axis1=-2, axis2=-1)
-    best = np.argmax(diagonal, axis=-1)[..., None, None]
-    quaternion = np.take_along_axis(outer, best, axis=-2)[..., 0, :]
-    quaternion = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
-    quaternion = np.where(quaternion[..., :1] < 0.0, -quaternion, quaternion)
-    sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
+    trace = np.einsum("...ii->...", m)
+    axial = m[..., _AXIAL_ROW, _AXIAL_COLUMN] - m[..., _AXIAL_COLUMN, _AXIAL_ROW]
+    sine = 0.5 * np.sqrt(np.einsum("...i,...i->...", axial, axial))
+    angle = np.arctan2(sine, 0.5 * (trace - 1.0))
     small = sine < _SMALL_ANGLE
-    safe = np.where(small, 1.0, sine)
-    half_angle = np.arctan2(safe, quaternion[..., :1])
-    factor = np.where(small, 2.0 + sine**2 / 3.0, 2.0 * half_angle / safe)
-    return factor * quaternion[..., 1:]
+    factor = np.where(small, 0.5 + sine**2 / 12.0, 0.5 * angle / np.where(small, 1.0, sine))
+    vector = np.asarray(factor[..., None] * axial)
+    far = trace <= 0.0
+    if np.any(far):
+        vector[far] = _log_by_quaternion(m[far], trace[far], axial[far])
+    return vector
+
+
+def _log_by_quaternion(m: Floats, trace: Floats, axial: Floats) -> Floats:
+    """Rotation vectors (n, 3) of rotations (n, 3, 3)."""
+    # Of the four equivalent quaternion formulas, take for each rotation the one with the largest divisor.
+    outer = np.empty((len(m), 4, 4))
+    outer[:, 0, 0] = 1.0 + trace
+    outer[:, 0, 1:] = outer[:, 1:, 0] = axial
+    outer[:, 1:, 1:] = m + np.swapaxes(m, -1, -2) + (1.0 - trace)[:, None, None] * np.eye(3)
+    best = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)[:, None, None]
+    quaternion = np.take_along_axis(outer, best, axis=-2)[:, 0]
+    quaternion = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    quaternion = np.where(quaternion[:, :1] < 0.0, -quaternion, quaternion)
+    sine = np.linalg.norm(quaternion[:, 1:], axis=-1, keepdims=True)
+    return 2.0 * np.arctan2(sine, quaternion[:, :1]) / sine * quaternion[:, 1:]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,9 @@ from tests.regimes import REGIME
 from validation import convergence, digests
 from validation.cases import load_cases
 from validation.certificate import verify
+from validation.cost.points import CostPoint
+from validation.cost.run import FamilyCost
+from validation.cost.scaling import ScalePoint, TangentRatio
 from validation.criteria import Verdict, judge, worst
 from validation.digests import Roots
 from validation.expected import expected_checks
@@ -20,7 +23,6 @@ from validation.properties import PROPERTIES
 from validation.property_runs import PropertyResult
 from validation.reference_checks import CheckResult
 from validation.runner import Run
-from validation.work_precision import WorkPoint
 
 # The copies of these tests have to earn their certificate.
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "certificate.json")
@@ -66,7 +68,10 @@ def passing_run(roots):
         run.hard_cases.append(HardResult(case, Verdict.PASS, case.expected[0], "", findings=held))
     run.locking.append(LockingPoint("3333", "enhanced", 0.3, 1.0, 1.0))
     run.slenderness.append(SlendernessRow(20, 1, [0.1], [0.1]))
-    run.work.append(WorkPoint("3333", "8 elements", 100, 1e-4, 0.1, 0.1, 7, 5))
+    point = CostPoint("3333", "beam", "enhanced", 8, "8", "analytic", "auto", "converged", error=1e-4)
+    run.work.append(FamilyCost("pure bending", "", "", "", "", 1e-9, [], None, [point]))
+    run.tangents.append(TangentRatio("3333", 12, 1.0, 20.0, 100.0, 1.0, 5.0))
+    run.scaling.append(ScalePoint("3243", 100, 1200, 1.0, 1, 4, "converged"))
     run.regimes = {case.id: [REGIME] for case in cases if case.id in (CASE, "HX-3333-12")}
     run.subject = digests.of_solver(roots)
     run.configuration = digests.of_judges(roots) | {

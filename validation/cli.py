@@ -71,11 +71,12 @@ def _run(
     quick: bool, full: bool, fresh: bool, out: Path, wanted: tuple[str, ...], ship: bool
 ) -> tuple[Run, list[Path]]:
     """Check the input, run, certify; exits with code 2 and the five parts when the input is wrong."""
-    _pin_threads()
+    pin_threads()
     from ancf.errors import InputError
 
     try:
-        _check(quick, full, out)
+        check_scope(quick, full)
+        check_folder(out)
         _check_ship(full, wanted, ship)
         if wanted:
             _check_names(wanted)
@@ -99,7 +100,8 @@ def _run(
     return record, certify(record, out, ship)
 
 
-def _check(quick: bool, full: bool, out: Path) -> None:
+def check_scope(quick: bool, full: bool) -> None:
+    """Refuse both at once."""
     from ancf.errors import InputError, Message
 
     if quick and full:
@@ -109,6 +111,12 @@ def _check(quick: bool, full: bool, out: Path) -> None:
                 "a copied command", "keep one of them",
             )
         )  # fmt: skip
+
+
+def check_folder(out: Path) -> None:
+    """Refuse a folder that cannot be written, before anything is computed."""
+    from ancf.errors import InputError, Message
+
     blocked = next((p for p in (out, *out.parents) if p.exists() and not p.is_dir()), None)
     if blocked is not None:
         raise InputError(
@@ -167,7 +175,7 @@ def _check_names(wanted: tuple[str, ...]) -> None:
             )  # fmt: skip
 
 
-def _pin_threads() -> None:
+def pin_threads() -> None:
     """One thread for the linear algebra, unless the user chose or numpy is loaded already: "
     "timings then mean something."""
     if "numpy" not in sys.modules:

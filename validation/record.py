@@ -22,6 +22,8 @@ SCHEMA = 1
 
 def as_dict(run: Run) -> dict[str, Any]:
     """The run in the schema of `report.json`."""
+    from validation.cost.record import family_dict, ratio_dict  # scikit-fem
+
     verdict, reasons = run.verdict
     # Nobody should take a selection for the whole.
     shown = "PARTIAL" if verdict is Verdict.PASS and not run.complete else str(verdict)
@@ -104,7 +106,9 @@ def as_dict(run: Run) -> dict[str, Any]:
             ],
             "studies": {name: finding_dict(f) for name, f in run.study_findings.items()},
             "locking": [vars(point) for point in run.locking],
-            "work_precision": [vars(point) for point in run.work],
+            "work_precision": [family_dict(cost) for cost in run.work],
+            "tangent_ratio": [ratio_dict(ratio) for ratio in run.tangents],
+            "scaling": [vars(point) for point in run.scaling],
             "failed_parts": run.failed_parts,
             "environment": run.environment,
             "versions": run.versions,

@@ -31,6 +31,7 @@ ALLOWED = {
         "meshio",
         "ancf",
         "reference",
+        "exudyn",  # an optional peer, as felupe
     },
     "surrogate": {"numpy", "scipy", "torch", "typer", "rich", "matplotlib", "ancf", "validation"},
 }

@@ -45,7 +45,10 @@ def page(tmp_path_factory) -> Path:
         s for s in runner.convergence.studies() if s.element == "3333" and s.name in ("bending", "stretch")
     ]
     record.convergence = [runner.convergence.run_study(s) for s in quick]
-    record.work = runner.work_precision.beam_points(repeats=1)
+    bending = next(f for f in runner.cost.families() if f.name == "pure bending")
+    record.work = [runner.cost.measure(bending)]
+    record.scaling = runner.scaling.scale((100,))
+    record.tangents = runner.scaling.tangent_ratios(2)
     return write_page(record, tmp_path_factory.mktemp("report"))
 
 

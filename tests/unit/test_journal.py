@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 
 from validation import cli, convergence, hard_cases, property_runs, runner
 from validation.cases import load_cases
+from validation.cost.points import CostPoint
+from validation.cost.run import FamilyCost, Floor
 from validation.criteria import Limit, Verdict, judge
 from validation.hard_cases import HardCase, run_hard_case
 from validation.journal import FILE, Journal, StoredOutcome, keep, revive
@@ -19,7 +21,6 @@ from validation.locking import LockingPoint, SlendernessRow
 from validation.outcome import Outcome, Row
 from validation.problems import CaseResult
 from validation.problems import run_case as real_run_case
-from validation.work_precision import WorkPoint
 
 IDS = ("TO-circle-3333", "HX-3333-12", "MO")
 KEY = {"ancf/energy.py": "1", "versions": "2"}
@@ -180,8 +181,12 @@ def test_every_kind_of_result_comes_back():
     assert through(point, LockingPoint) == point
     row = SlendernessRow(20, 1, [0.1, 0.2], [None, 0.2])
     assert through(row, SlendernessRow) == row
-    work = WorkPoint("3333", "1 element", 10, 1e-3, 0.1, 0.2, 5, 6)
-    assert through(work, WorkPoint) == work
+    point = CostPoint("3333", "beam", "enhanced", 1, "1 element", "analytic", "auto", "converged")
+    floor = Floor("3333", "enhanced", 1e-3, 1e-6, None)
+    family = FamilyCost(
+        "a", "b", "c", "rod", "d", 1e-9, [None, 0.0], None, [point], [floor], ["omitted"], 1.0
+    )
+    assert through(family, FamilyCost) == family
     case = load_cases()[0]
     outcome = Outcome({"q1": 0.3}, [Row("a", 1.0, None, "m")], None, {"rod": []}, {"q1": 0.1}, ["note"])
     found = through(CaseResult(case, Verdict.WARN, [finding], outcome, 1.0, "r", ["w"]), CaseResult,

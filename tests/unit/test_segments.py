@@ -169,7 +169,7 @@ def full(model, flat):
     """The tangent (n, n) from flat band storage."""
     b, n = model.pattern.b, model.n
     K = np.zeros((n, n))
-    for row, band in enumerate(flat.reshape(3 * b + 1, n)[b:]):
+    for row, band in enumerate(model.pattern.banded(flat)[b:]):
         offset = b - row
         for j in range(max(offset, 0), min(n, n + offset)):
             K[j - offset, j] = band[j]

@@ -1,4 +1,4 @@
-"""Figures of the studies: margins, convergence, locking, work and precision."""
+"""Figures of the studies: margins, convergence, locking."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from validation.criteria import WARN_MARGIN, Verdict
 from validation.locking import LockingPoint
 from validation.problems import CaseResult
 from validation.report.style import BLUE, FAINT, GREEN, INK, MUTED, ORANGE, RED, VIOLET, new_figure, to_svg
-from validation.work_precision import WorkPoint
 
-MARKS = {"3333": ("o", BLUE, "-"), "3243": ("s", ORANGE, "--"), "solid hex27": ("D", GREEN, ":")}
+MARKS = {"3333": ("o", BLUE, "-"), "3243": ("s", ORANGE, "--")}
 DOTS = {
     Verdict.PASS: ("o", BLUE),
     Verdict.WARN: ("^", ORANGE),
@@ -148,38 +147,3 @@ def locking(points: Sequence[LockingPoint]) -> Markup:
     axes.grid(visible=True)
     axes.legend(loc="upper left")
     return to_svg(figure, "locking", "Effective bending stiffness over Poisson's ratio")
-
-
-def work_precision(points: Sequence[WorkPoint]) -> Markup:
-    """Error against time, log-log, beams and the solid on the same axes."""
-    figure = new_figure(7.0, 3.7)
-    axes = figure.add_subplot()
-    for model in dict.fromkeys(p.model for p in points):
-        found = [p for p in points if p.model == model]
-        marker, colour, line = MARKS[model]
-        axes.loglog(
-            [p.fastest for p in found],
-            [p.error for p in found],
-            marker=marker,
-            color=colour,
-            ls=line,
-            label=model,
-        )
-        for p in found:
-            axes.plot([p.fastest, p.median], [p.error, p.error], color=colour, lw=0.9, alpha=0.6)
-            text = p.mesh.split()[0] if model != "solid hex27" else p.mesh
-            axes.annotate(
-                text,
-                (p.fastest, p.error),
-                xytext=(-4, -11),
-                textcoords="offset points",
-                fontsize=8.5,
-                color=colour,
-                ha="right",
-            )
-    axes.set_xlabel("seconds for one solution (mark: fastest, line to the median)")
-    axes.set_ylabel("tip error / L")
-    axes.grid(visible=True)
-    axes.margins(x=0.12, y=0.12)
-    axes.legend(loc="upper right")
-    return to_svg(figure, "work", "Tip error against time for two beam elements and a solid")

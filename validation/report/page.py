@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from validation.cases import INDEPENDENCE, Case, formulation_of
 from validation.convergence import SHORTFALL
+from validation.cost import advice
 from validation.criteria import Verdict
 from validation.environment import peak_memory_mb
 from validation.locking import VARIANTS
@@ -20,7 +21,7 @@ from validation.outcome import Row
 from validation.problems import CaseResult
 from validation.property_runs import SEED
 from validation.record import write_text
-from validation.report import figures_cross, figures_paper, figures_studies, numbers
+from validation.report import figures_cost, figures_cross, figures_paper, figures_studies, numbers
 from validation.report.captions import captions
 from validation.report.coverage import coverage, domain_rows
 from validation.report.hard_table import chapter
@@ -40,7 +41,7 @@ CONTENTS = (
     ("properties", "Properties on random rods"),
     ("own-numbers", "Our own earlier numbers"),
     ("locking", "Locking: the paper's element and its cure"),
-    ("work", "Accuracy against time"),
+    ("work", "What accuracy costs"),
     ("hard-cases", "Hard cases"),
     ("paper", "The paper's figures 1 to 3"),
     ("decisions", "Where the paper is wrong or silent"),
@@ -114,6 +115,7 @@ def context(run: Run) -> dict[str, Any]:
         "groups": _groups(references),
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
         "hard": chapter(run.hard_cases),
+        "cost": [{"cost": cost, "sentence": advice.sentence(cost)} for cost in run.work],
         "figures": _figures(run),
         "captions": captions(run),
         "shortfall": SHORTFALL,
@@ -243,7 +245,9 @@ def _figures(run: Run) -> dict[str, Markup | None]:
             "margins": figures_studies.margins(run.cases) if run.cases else None,
             "convergence": figures_studies.convergence(run.convergence) if run.convergence else None,
             "locking": figures_studies.locking(run.locking) if run.locking else None,
-            "work": figures_studies.work_precision(run.work) if run.work else None,
+            "work": figures_cost.grid(run.work, "seconds") if run.work else None,
+            "work_unknowns": figures_cost.grid(run.work, "unknowns") if run.work else None,
+            "work_iterations": figures_cost.grid(run.work, "iterations") if run.work else None,
             "fig1": figures_paper.element(),
             "fig2": figures_paper.scenes(run.cases),
             "fig3": figures_paper.section(),
