@@ -197,7 +197,7 @@ class Model:
         return self.assembled(self.elastic_terms(q, q_previous), q, load_factor)
 
     def elastic_terms(self, q: Floats, q_previous: Floats | None = None) -> Iterator[tuple[Floats, Floats]]:
-        """Elastic force (..., m, nodal, 3) and tangent (..., m, nd, nd) at q (..., n), piece by piece of each rod.
+        """Elastic force (..., m, nodal, 3) and tangent (..., m, nd, nd) at q (..., n), piece by piece.
 
         With leading axes for many states at once (the analytic tangent only).
         """
@@ -283,7 +283,7 @@ class Model:
 
     @cached_property
     def _piece_slots(self) -> list[tuple[NDArray[np.intp], int, NDArray[np.intp]]]:
-        """Unknowns of each piece of the rods, where it begins in the band, and its blocks' places from there."""
+        """Unknowns of each piece of the rods, where it begins in the band, the places of its blocks there."""
         found = []
         for rod in self.rods:
             for run, _ in rod.pieces:
