@@ -76,14 +76,20 @@ def held_places(scene: Scene, rod: Rod) -> list[float]:
     return [support.at for support in rod.supports] + joined
 
 
-def rod_breaks(scene: Scene, rod: Rod) -> Floats:
-    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and joints
-    and, elements of the segment permitting, its loads.
-    """
-    held = held_places(scene, rod)
+def loaded_places(scene: Scene, rod: Rod) -> list[float]:
+    """Fractions of the length at which moments and forces act on a rod."""
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    loaded = [load.at for load in acting]
+    return [load.at for load in acting]
+
+
+def rod_breaks(scene: Scene, rod: Rod) -> Floats:
+    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and joints
+    and, elements of the segment permitting, its loads; or those that the rod has been given.
+    """
+    if rod.breaks:
+        return rod.length * np.array(rod.breaks)
+    held, loaded = held_places(scene, rod), loaded_places(scene, rod)
     breaks = []
     for part, (segment, start) in enumerate(zip(rod.parts, starts(rod.parts)[:-1], strict=True)):
         anchors = places_in_part(rod, part, held + loaded)
