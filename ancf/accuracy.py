@@ -111,6 +111,7 @@ class _Search:
     missing: int = 0  # meshes without an equilibrium or without an estimate
     rounds: int = 0  # of refinement by an estimate
     stalled: int = 0
+    barred: set[str] = field(default_factory=set)  # elements that found no equilibrium
 
     @property
     def deadline(self) -> float:
@@ -125,7 +126,7 @@ class _Search:
             solution = solve(replace(scene, solver=replace(scene.solver, max_seconds=left)), start)
             estimated = self._estimated(solution)
             if estimated is None:
-                following, start = self._without_estimate(solution), None
+                following, start = self._without_estimate(solution)
             else:
                 self._keep(estimated)
                 following, start = self._following(estimated)
@@ -157,19 +158,26 @@ class _Search:
         )
         return found
 
-    def _without_estimate(self, solution: Solution) -> Scene | None:
-        """Go on from a mesh that has no equilibrium, or no estimate: from a finer one, or not at all."""
+    def _without_estimate(self, solution: Solution) -> tuple[Scene | None, Floats | None]:
+        """Go on from a mesh without equilibrium or estimate: on a finer one, with another element, or not."""
         self.missing += 1
-        what = "no equilibrium was found on the finer mesh that an estimate needs"
+        if self._out_of_time():
+            return None, None
+        scene = solution.scene
+        tried = elements_of(scene.rods)
+        switched = self.best is not None and elements_of(self.best.solution.scene.rods) != tried
+        if self.missing < FIRST_ATTEMPTS and (switched or self.best is None):
+            return replace(scene, rods=tuple(cut(rod, 2) for rod in scene.rods)), None
+        if switched and self.best is not None:  # back to what was found with the other element
+            self.barred |= {rod.element for rod in scene.rods} - {
+                rod.element for rod in self.best.solution.scene.rods
+            }
+            return self._following(self.best)
+        self.limit = "no equilibrium was found on the finer mesh that an estimate needs"
         if solution.status is not Status.CONVERGED:
             count = self.tried[-1].elements
-            what = f"the next mesh, of {count} elements, has no equilibrium ({solution.status})"
-        if self._out_of_time():
-            return None
-        if self.best is not None or self.missing == FIRST_ATTEMPTS:
-            self.limit = what
-            return None
-        return replace(solution.scene, rods=tuple(cut(rod, 2) for rod in solution.scene.rods))
+            self.limit = f"the next mesh, of {count} elements, has no equilibrium ({solution.status})"
+        return None, None
 
     def _keep(self, estimated: _Estimated) -> None:
         """Remember the better answer, and how often the estimate did not become smaller."""
@@ -205,13 +213,14 @@ class _Search:
             errors = {
                 name: max(of_rod[name] for of_rod in estimated.model[concerned])
                 for name in candidates(scene, rod)
+                if name not in self.barred
             }
             element = choose(errors, self.wanted)
             model = errors[element]
         target = left_for_mesh(self.wanted, model)
         if error > target:
-            # A prediction that failed is not to be believed again.
-            reduction = SAFETY**self.rounds * target / error
+            # A prediction that failed is believed less.
+            reduction = SAFETY ** min(self.rounds, 2) * target / error
             rod = cut(rod, pieces_for(estimated.error.contributions[index], reduction, order_of(rod.element)))
         if element != rod.element:
             rod = replace(rod, element=element, formulation=ELEMENTS[element].formulations[0])
