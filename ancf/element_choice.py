@@ -11,7 +11,9 @@ from ancf.scene import Rod, Scene
 # Validated elements that may be chosen, the cheapest first, by the cost of a solve on one mesh. 3243 costs as
 # much as 3333 and needs a finer mesh in every case that was tried (validation/accuracy_cost.py).
 COSTS = {"3333": 1.0, "3363": 2.2}
-MODEL_SHARE = 0.9  # of the wanted accuracy that the error of the model may take
+# Of the wanted accuracy: what the error of the model, known to a factor of two, may take; and what is left for
+# the mesh at least.
+MODEL_SHARE, MESH_SHARE = 0.7, 0.1
 MARGIN = 0.9  # estimates err by some 10 %
 # What a model error must fall to for a dearer element that does not suffice either.
 BETTER = 0.5
@@ -62,4 +64,4 @@ def choose(errors: Mapping[str, float], wanted: float) -> str:
 
 def left_for_mesh(wanted: float, model_error: float) -> float:
     """What the estimate may be: nearly the rest, or nearly all where the model errs too much anyway."""
-    return MARGIN * (wanted - model_error if model_error <= MODEL_SHARE * wanted else wanted)
+    return MARGIN * (max(wanted - model_error, MESH_SHARE * wanted) if model_error < wanted else wanted)
