@@ -53,7 +53,9 @@ def prepared(scene: Scene) -> Scene:
                     "leave elements away (0 in Python), or accuracy",
                 )
             )
-    return first_mesh(replace(scene, solver=replace(scene.solver, accuracy=None)))
+    wanted = scene.solver.accuracy
+    assert wanted is not None
+    return first_mesh(replace(scene, solver=replace(scene.solver, accuracy=None)), wanted)
 
 
 def solve_to_accuracy(scene: Scene) -> Solution:

@@ -11,8 +11,8 @@ from ancf.scene import Rod, Scene
 # Validated elements that may be chosen, the cheapest first, by the cost of a solve on one mesh. 3243 costs as
 # much as 3333 and needs a finer mesh in every case that was tried (validation/accuracy_cost.py).
 COSTS = {"3333": 1.0, "3363": 2.2}
-# Of the wanted accuracy: what the error of the model, known to a factor of two, may take; and what is left for
-# the mesh at least.
+# Of the wanted accuracy: what the error of the model, known to a factor of two, may take, and what is left
+# for the mesh at least.
 MODEL_SHARE, MESH_SHARE = 0.7, 0.1
 MARGIN = 0.9  # estimates err by some 10 %
 # What a model error must fall to for a dearer element that does not suffice either.

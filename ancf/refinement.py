@@ -21,7 +21,9 @@ from ancf.scene import Rod, Scene
 Floats = NDArray[np.float64]
 Counts = NDArray[np.intp]
 
-FIRST_ELEMENTS = 4  # of a rod; a quarter circle on them is right to 2e-4 of the length
+# Elements of a rod on the first mesh: as many as it needs, by order 4, if its error is 1 on one of them. They
+# are cheap: below some 50 elements a solve takes the same time.
+FEWEST, MOST = 4, 64
 FIRST_TURN = math.pi / 4  # rad, by which an element of the first mesh may be curved in the reference
 # A clamped section of second degree cannot bulge; what it does instead dies out within a few radii. Elements
 # of a rod's length jump over it, and error estimates with them: lengths grow from this share of the radius.
@@ -47,18 +49,19 @@ def with_breaks(rod: Rod, breaks: Floats) -> Rod:
     return replace(with_elements(rod, [int(n) for n in counts]), breaks=tuple(breaks.tolist()))
 
 
-def first_mesh(scene: Scene) -> Scene:
+def first_mesh(scene: Scene, accuracy: float) -> Scene:
     """The scene with the mesh from which the search for an accuracy begins."""
-    return replace(scene, rods=tuple(_first(scene, rod) for rod in scene.rods))
+    count = min(max(math.ceil(accuracy**-0.25), FEWEST), MOST)
+    return replace(scene, rods=tuple(_first(scene, rod, count) for rod in scene.rods))
 
 
-def _first(scene: Scene, rod: Rod) -> Rod:
+def _first(scene: Scene, rod: Rod, count: int) -> Rod:
     places = held_places(scene, rod) + loaded_places(scene, rod)
     turn = float(np.linalg.norm(rod.curvature))
     counts = []
     for index, part in enumerate(rod.parts):
         pieces = len(distinct_places(places_in_part(rod, index, places))) - 1
-        share = math.ceil(FIRST_ELEMENTS * part.length / rod.length - 1e-9)
+        share = math.ceil(count * part.length / rod.length - 1e-9)
         counts.append(max(pieces, share, math.ceil(turn * part.length / FIRST_TURN)))
     meshed = with_elements(rod, counts)
     return layered(with_breaks(meshed, rod_breaks(scene, meshed) / rod.length))
