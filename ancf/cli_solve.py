@@ -243,9 +243,10 @@ def _accuracy_text(accuracy: Accuracy) -> str:
     rods = ", ".join(f"{rod.name}: {rod.elements} x {rod.element}" for rod in accuracy.rods)
     known = "unknown" if accuracy.estimate is None else f"{accuracy.estimate:.2g}"
     model = "unknown" if accuracy.model_error is None else f"{accuracy.model_error:.2g}"
+    rounds = len(accuracy.tried)
     return (
         f"accuracy {accuracy.wanted:g} {'met' if accuracy.met else 'not met'}: estimated tip error / length"
-        f" {known} by the mesh, {model} by the sections; {rods}, chosen in {len(accuracy.tried)} rounds"
+        f" {known} by the mesh, {model} by the sections; {rods}, chosen in {rounds} round{'s' * (rounds > 1)}"
     )
 
 
