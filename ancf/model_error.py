@@ -65,7 +65,7 @@ FREE = 1e5
 # dm/m of bending by a twist t: this times (t R)^2, on top of what bending does. Under oblique couples it is
 # .04 to .16 (Saint Venant-Kirchhoff, neo-Hookean, nu = 0 to .49, L/R = 40; reference/section.py).
 TWIST = 0.1
-# J = A^4/(40 I_p) on solid sections without re-entrant corners, within 13 % (triangle) or less (Saint-Venant 1856).
+# J = A^4/(40 I_p) on solid sections without re-entrant corners, within 13 % (triangle; Saint-Venant 1856).
 SAINT_VENANT = 40.0
 
 

@@ -12,7 +12,7 @@ import ancf
 from ancf.error_estimate import estimate_error
 from ancf.model import Model
 from ancf.refinement import carried, cut, first_mesh
-from ancf.scene import SolverOptions
+from ancf.scene import SolverOptions, Support
 from tests.strategies import HypothesisDraws, fewer
 from validation.random_rods import RodRange, random_loads, random_rod
 
@@ -62,9 +62,14 @@ def test_the_estimate_is_the_error_and_the_accuracy_is_met(scene):
 
 
 @settings(max_examples=fewer(2))
-@given(rods_under_loads(), st.integers(0, 2**16))
-def test_contributions_of_the_elements_bound_the_error(scene, seed):
-    """The tip error is the sum of what elements do, so that no refinement by them overlooks a part."""
+@given(rods_under_loads())
+def test_contributions_of_the_elements_bound_the_error(scene):
+    """The tip error is the sum of what elements do, so that no refinement by them overlooks a part.
+
+    With a clamp: a section that is free to strain may turn a little on its support.
+    """
+    supports = (Support(0.0, "clamp"),)
+    scene = replace(scene, rods=tuple(replace(rod, supports=supports) for rod in scene.rods))
     meshed = first_mesh(replace(scene, solver=replace(scene.solver, accuracy=None)), 1e-2)
     solution = ancf.solve(meshed)
     if solution.status != "converged":
