@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import Element
+from ancf.errors import InputError, Message
 from ancf.rotation import exp, hat
 from ancf.scene import SAME_PLACE, Rod, Scene
 from ancf.segments import starts
@@ -89,6 +90,16 @@ def rod_breaks(scene: Scene, rod: Rod) -> Floats:
     """
     if rod.breaks:
         return rod.length * np.array(rod.breaks)
+    if not rod.elements:
+        raise InputError(
+            Message(
+                "The rod has no mesh yet.",
+                f"rod {rod.name!r}",
+                "elements = 0",
+                "its scene asks for an accuracy, and solving it chooses the mesh",
+                "solve it with ancf.solve, and go on with the scene of the solution",
+            )
+        )
     held, loaded = held_places(scene, rod), loaded_places(scene, rod)
     breaks = []
     for part, (segment, start) in enumerate(zip(rod.parts, starts(rod.parts)[:-1], strict=True)):

@@ -18,6 +18,7 @@ from ancf.accuracy_record import Accuracy
 from ancf.cli import main
 from ancf.element_choice import candidates, choose, left_for_mesh
 from ancf.errors import InputError, SceneError
+from ancf.model import Model
 from reference.helix import helix_tip_moment
 
 RADIUS, YOUNG = 0.001, 1e6
@@ -266,6 +267,22 @@ def test_a_dearer_element_without_equilibrium_is_left_again(monkeypatch):
     assert solution.accuracy is not None
     assert [trial.element for trial in solution.accuracy.tried].count("3363") == ancf.accuracy.FIRST_ATTEMPTS
     assert "the sections of 3333" in solution.warnings[0]
+
+
+def test_a_rod_without_a_mesh_makes_no_model():
+    with pytest.raises(InputError) as refused:
+        Model(ancf.scene_from_dict(scene()))
+    assert refused.value.message.where == "rod 'rod'"
+    assert "solve it with ancf.solve" in refused.value.message.advice
+
+
+def test_an_estimate_overrides_the_rule_of_thumb_for_long_elements():
+    """Elements that turn by more than 0.7 rad are warned about, unless their error is known to be small."""
+    solution = solved(1e-2, moment=[{"value": [0, 0, 3.0 * EI]}])
+    assert solution.scene.rods[0].elements == 4
+    assert solution.accuracy is not None and solution.accuracy.met
+    assert solution.warnings == []
+    assert any("elements are too long" in text for text in ancf.solve(solution.scene).warnings)
 
 
 # --- how it is reported ------------------------------------------------------------------------------------
