@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.accuracy_record import Accuracy, Trial, elements_of
-from ancf.element_choice import BETTER, COSTS, candidates, choose, left_for_mesh
+from ancf.element_choice import BETTER, CHOICE, candidates, choose, left_for_mesh
 from ancf.elements import ELEMENTS
 from ancf.error_estimate import ErrorEstimate, estimate_error, order_of
 from ancf.errors import InputError, Message
@@ -143,7 +143,7 @@ class _Search:
             error = estimate_error(solution, NEAR * self.wanted, self.deadline)
         if error is not None:
             rods = solution.scene.rods
-            names = {name for rod in rods for name in (rod.element, *(COSTS if rod.any_element else ()))}
+            names = {name for rod in rods for name in (rod.element, *(CHOICE if rod.any_element else ()))}
             model = model_errors(error, tuple(sorted(names)))
         found = None if error is None else _Estimated(solution, error, model)
         self.tried.append(
@@ -268,7 +268,7 @@ class _Search:
             return ""
         scene = self.best.solution.scene
         for rod, errors in zip(scene.rods, self.best.model, strict=False):
-            barred = set(COSTS) - set(candidates(scene, rod)) if rod.any_element else set()
+            barred = set(CHOICE) - set(candidates(scene, rod)) if rod.any_element else set()
             better = [name for name in barred if errors[name] < BETTER * errors[rod.element]]
             if better and any(support.kind == "clamp" for support in rod.supports):
                 return (

@@ -21,7 +21,9 @@ ALLOWED = RodRange(
     shapes=("circle", "annulus", "ellipse", "rectangle"), shear_factors=(False,),
     supports=("clamp", "free_section_clamp"),
 )  # fmt: skip
-NOTHING = 1e-3  # of the accuracy: errors so small are not looked at, cancellation in them says nothing
+# Of the accuracy: errors so small are not looked at. Components cancel in them, and four elements 3363 on a
+# rod of L/R = 860 with a free section were right by accident to 3e-4 of it.
+NOTHING = 1e-2
 
 
 @st.composite
