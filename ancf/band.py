@@ -56,8 +56,8 @@ class SingularMatrixError(ArithmeticError):
 class Factors(Protocol):
     """LU factors of a tangent, band or sparse."""
 
-    def solve(self, right: Floats) -> Floats:
-        """Solve for one right side (n,) or several (n, k)."""
+    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+        """Solve for one right side (n,) or several (n, k), or with the transposed matrix."""
         ...
 
     @property
@@ -79,9 +79,10 @@ class BandLU:
     lu: Floats
     pivots: NDArray[np.int32]
 
-    def solve(self, right: Floats) -> Floats:
-        """Solve for one right side (n,) or several (n, k)."""
-        x, info = _gbtrs(self.lu, self.pattern.b, self.pattern.b, right, self.pivots)
+    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+        """See `Factors`."""
+        b = self.pattern.b
+        x, info = _gbtrs(self.lu, b, b, right, self.pivots, trans=int(transposed))
         if info != 0:  # only an illegal argument: a bug of ours
             raise RuntimeError(f"dgbtrs: info = {info}")
         return x

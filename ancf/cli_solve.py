@@ -21,6 +21,8 @@ from ancf.errors import InputError, Message
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ancf.accuracy_record import Accuracy
+    from ancf.model import Model
     from ancf.scene import Rod, Scene
     from ancf.segments import Segment
     from ancf.solution import Solution
@@ -97,6 +99,7 @@ def check(
         "title": loaded.title,
         "rods": {rod.name: _describe(rod) for rod in loaded.rods},
         "effects": ["elastic", *_listed(loaded)],
+        **_wanted(loaded, model),
         "unknowns": model.unknowns,
         "reductions": [],
         "warnings": scene_warnings(model),
@@ -108,22 +111,43 @@ def check(
     console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
     for rod in loaded.rods:
         held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports) or "no support"
-        console.print(
-            f"  rod {rod.name}: {rod.length:g} m, {rod.elements} x {rod.element} {rod.formulation}, {held}"
+        count = (
+            f"{rod.elements} x {rod.element}"
+            if rod.elements
+            else f"elements to be chosen, {_first_choice(rod)}"
         )
+        console.print(f"  rod {rod.name}: {rod.length:g} m, {count} {rod.formulation}, {held}")
         for part in rod.parts:
             taper = f" to {part.section_end}" if part.tapered else ""
-            piece = f"{part.length:g} m, {part.elements} elements: " if rod.segments else ""
+            number = f", {part.elements} elements" if part.elements else ""
+            piece = f"{part.length:g} m{number}: " if rod.segments else ""
             console.print(f"    {piece}{part.section}{taper}")
             console.print(f"    {law_name(part.material)}: {_fields_text(part.material)}")
     for name, records in _listed(loaded).items():
         for record in records:
             console.print(f"  {name}: {_fields_text(record)}")
     console.print(f"  effects:    {', '.join(found['effects'])}")
-    console.print(f"  unknowns:   {found['unknowns']}")
+    first = ""
+    if "accuracy" in found:
+        console.print(f"  accuracy:   {found['accuracy']['wanted']:g} of the length at the tip")
+        first = f" on the first mesh, of {sum(found['accuracy']['first_mesh'].values())} elements"
+    console.print(f"  unknowns:   {found['unknowns']}{first}")
     console.print(f"  reductions: {', '.join(found['reductions']) or 'none'}")
     for warning in found["warnings"]:
         console.print(f"  warning:    {warning}")
+
+
+def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
+    """The accuracy that a scene asks for and the mesh that is tried first; empty where it asks for none."""
+    if scene.solver.accuracy is None:
+        return {}
+    first = {rod.rod.name: rod.rod.elements for rod in model.rods}
+    return {"accuracy": {"wanted": scene.solver.accuracy, "first_mesh": first}}
+
+
+def _first_choice(rod: Rod) -> str:
+    """Which element a rod without a mesh begins with, and whether it keeps it."""
+    return f"first {rod.element}" if rod.any_element else rod.element
 
 
 def _refuse_view(view: Path) -> None:
@@ -204,12 +228,26 @@ def _report(console: Console, path: Path, solution: Solution, result: dict[str, 
             f" residual {result['residual']:.2g}, {result['unknowns']} unknowns,"
             f" {result['seconds']['total']:.3f} s"
         )
+        if solution.accuracy is not None:
+            console.print(_accuracy_text(solution.accuracy))
         if "stability" in result:
             console.print(_stability_text(result["stability"]))
     for warning in result["warnings"]:
         print(f"warning: {path}: {warning}", file=sys.stderr)
     if solution.message is not None:
         print(f"{path}: {solution.message}", file=sys.stderr)
+
+
+def _accuracy_text(accuracy: Accuracy) -> str:
+    """What was wanted, what is estimated and what was chosen for it, in a line."""
+    rods = ", ".join(f"{rod.name}: {rod.elements} x {rod.element}" for rod in accuracy.rods)
+    known = "unknown" if accuracy.estimate is None else f"{accuracy.estimate:.2g}"
+    model = "unknown" if accuracy.model_error is None else f"{accuracy.model_error:.2g}"
+    rounds = len(accuracy.tried)
+    return (
+        f"accuracy {accuracy.wanted:g} {'met' if accuracy.met else 'not met'}: estimated tip error / length"
+        f" {known} by the mesh, {model} by the sections; {rods}, chosen in {rounds} round{'s' * (rounds > 1)}"
+    )
 
 
 def _stability_text(stability: dict[str, Any]) -> str:
@@ -246,10 +284,12 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
 
 def _describe(rod: Rod) -> dict[str, Any]:
     """Return what a rod is, in plain Python and SI units."""
-    segments = [{"length": part.length, "elements": part.elements, **_made_of(part)} for part in rod.segments]
+    segments = [
+        {"length": part.length, "elements": part.elements or None, **_made_of(part)} for part in rod.segments
+    ]
     return {
         "length": rod.length,
-        "elements": rod.elements,
+        "elements": rod.elements or None,  # null: to be chosen
         "element": rod.element,
         "formulation": rod.formulation,
         "axial_rule": rod.axial_rule,

@@ -69,8 +69,14 @@ class SparseLU:
     conditions: int
     neutral: Neutral | None = None
 
-    def solve(self, right: Floats) -> Floats:
-        """Solve for one right side (n,) or several (n, k)."""
+    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+        """See `band.Factors`."""
+        if transposed:
+            z = self.lu.solve(right, trans="T")
+            if self.neutral is not None:  # the solution without its part along the left null vector
+                left = self.neutral.left / np.linalg.norm(self.neutral.left)
+                z = z - np.multiply.outer(left, left @ z)
+            return z
         x = self.lu.solve(right)
         if self.neutral is not None:
             noise = np.maximum(NO_WORK * np.linalg.norm(right, axis=0), NO_FORCE)

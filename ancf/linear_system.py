@@ -109,6 +109,13 @@ class LinearSystem:
             dq = lu.solve(self.project(right / self.force_unit[column]))
             return self.project(dq * self.unit[column])
 
+    def solve_transposed(self, lu: Factors, goal: Floats) -> Floats:
+        """Adjoint (n,) or (n, k) of a linear goal: z with z . f = goal . solve(lu, f) for all forces f."""
+        with self.counters.solving():
+            column = (slice(None),) + (None,) * (goal.ndim - 1)
+            z = lu.solve(self.project(goal) * self.unit[column], transposed=True)
+            return self.project(z) / self.force_unit[column]
+
     def row_sum(self, flat: Floats, q: Floats) -> float:
         """Largest sum_j |K_ij| |q_j| over the equations i, dimensionless: what rounding of q does to them."""
         entries = np.abs(flat * self._scale).reshape(self.pattern.n, -1) * np.abs(q / self.unit)[:, None]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import Element
+from ancf.errors import InputError, Message
 from ancf.rotation import exp, hat
 from ancf.scene import SAME_PLACE, Rod, Scene
 from ancf.segments import starts
@@ -77,14 +78,30 @@ def held_places(scene: Scene, rod: Rod) -> list[float]:
     return [support.at for support in rod.supports] + joined
 
 
-def rod_breaks(scene: Scene, rod: Rod) -> Floats:
-    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and joints
-    and, elements of the segment permitting, its loads.
-    """
-    held = held_places(scene, rod)
+def loaded_places(scene: Scene, rod: Rod) -> list[float]:
+    """Fractions of the length at which moments and forces act on a rod."""
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    loaded = [load.at for load in acting]
+    return [load.at for load in acting]
+
+
+def rod_breaks(scene: Scene, rod: Rod) -> Floats:
+    """Element boundaries (n_el + 1,) [m] of a rod: on the ends of its segments, on its supports and joints
+    and, elements of the segment permitting, its loads; or those that the rod has been given.
+    """
+    if rod.breaks:
+        return rod.length * np.array(rod.breaks)
+    if not rod.elements:
+        raise InputError(
+            Message(
+                "The rod has no mesh yet.",
+                f"rod {rod.name!r}",
+                "elements = 0",
+                "its scene asks for an accuracy, and solving it chooses the mesh",
+                "solve it with ancf.solve, and go on with the scene of the solution",
+            )
+        )
+    held, loaded = held_places(scene, rod), loaded_places(scene, rod)
     breaks = []
     for part, (segment, start) in enumerate(zip(rod.parts, starts(rod.parts)[:-1], strict=True)):
         anchors = places_in_part(rod, part, held + loaded)

@@ -66,10 +66,14 @@ class Rod:
     )  # 1/m, twist, about y, about z
     shear_factors: tuple[float, float] = (1.0, 1.0)  # k_y, k_z
     segments: tuple[Segment, ...] = ()
+    breaks: tuple[float, ...] = ()  # fractions of the length where elements meet; absent: equal elements
+    any_element: bool = False  # whether `SolverOptions.accuracy` may put another in the place of `element`
 
     def __post_init__(self) -> None:
         if not self.formulation:
             object.__setattr__(self, "formulation", ELEMENTS[self.element].formulations[0])
+        if self.breaks and len(self.breaks) != self.elements + 1:
+            raise ValueError(f"rod {self.name!r}: {len(self.breaks)} breaks and {self.elements} elements")
         if self.segments and _totals(self.segments) != {name: getattr(self, name) for name in _TOTALS}:
             raise ValueError(f"rod {self.name!r}: {', '.join(_TOTALS)} do not belong to its segments")
 
@@ -228,6 +232,7 @@ class SolverOptions:
     reduction: str = "auto"
     max_steps: int = 200
     max_seconds: float = 600.0
+    accuracy: float | None = None  # wanted tip error / length; the program then chooses the mesh
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,9 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "add a [[rod]] table with length, elements, section and material, or with segments",
         )
     joined = joined_rods(data, [str(entry.data.get("name", default_name(0))) for entry in entries[:1]])
-    rods = tuple(read_rod(entry, index, joined) for index, entry in enumerate(entries))
+    solver = read_solver(table.table("solver")) if "solver" in table.data else SolverOptions()
+    meshed = solver.accuracy is None
+    rods = tuple(read_rod(entry, index, joined, meshed) for index, entry in enumerate(entries))
     _check_names(entries, rods)
     scene = Scene(
         rods=rods,
@@ -115,11 +117,11 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         joints=read_joints(table.tables("joint"), entries, rods),
-        solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
+        solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),
     )
-    for entry, rod in zip(entries, rods, strict=True):
+    for entry, rod in zip(entries, rods if meshed else (), strict=meshed):
         _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
     if scene.joints and scene.solver.tangent == "finite-difference":

@@ -27,6 +27,8 @@ MOST_STEPS = 1_000_000
 MOST_MODES = 100
 DIRECTIONS = ("fixed", "follower")
 TOLERANCE = Limit(lambda v: 0.0 < v <= 1e-2, "inside (0, 1e-2]")
+# Below, estimates meet the rounding of the shape; above, they are none.
+ACCURACY = Limit(lambda v: 1e-8 <= v <= 0.1, "between 1e-8 and 0.1")
 SECONDS = Limit(lambda v: v > 0.0, "> 0")
 
 
@@ -104,9 +106,19 @@ def read_gravity(table: Table, rods: Sequence[Rod], source: str) -> Gravity:
 
 def read_solver(table: Table) -> SolverOptions:
     """Read `[solver]`; every key has a default."""
-    known = ("tolerance", "tangent", "method", "predictor", "reduction", "max_steps", "max_seconds")
-    table.expect_keys(known, later=("accuracy",))
+    known = (
+        "tolerance",
+        "accuracy",
+        "tangent",
+        "method",
+        "predictor",
+        "reduction",
+        "max_steps",
+        "max_seconds",
+    )
+    table.expect_keys(known)
     defaults = SolverOptions()
+    accuracy = table.number("accuracy", NUMBER, limit=ACCURACY) if "accuracy" in table.data else None
     return SolverOptions(
         tolerance=table.number("tolerance", NUMBER, defaults.tolerance, TOLERANCE),
         method=table.word("method", ("newton", "arclength"), defaults.method),
@@ -115,6 +127,7 @@ def read_solver(table: Table) -> SolverOptions:
         reduction=table.word("reduction", ("auto", "full"), defaults.reduction, later=("planar",)),
         max_steps=table.whole("max_steps", 1, MOST_STEPS, defaults.max_steps),
         max_seconds=table.number("max_seconds", TIME, defaults.max_seconds, SECONDS),
+        accuracy=accuracy,
     )
 
 

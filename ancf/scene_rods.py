@@ -17,7 +17,7 @@ from ancf.mesh import reference_axis
 from ancf.scene import SAME_PLACE, Frame, Rod, Support
 from ancf.scene_materials import read_material
 from ancf.scene_sections import read_section
-from ancf.scene_segments import read_segments
+from ancf.scene_segments import read_elements, read_segments
 from ancf.scene_table import FRACTION, SIGNED, SIZE, Limit, Table, show
 from ancf.segments import Segment
 from ancf.units import CURVATURE, LENGTH, NUMBER
@@ -39,6 +39,8 @@ ROD_KEYS = (
     "curvature",
     "shear_factors",
 )
+# Whoever gives one of these has chosen the element; `accuracy` then chooses the mesh alone.
+ELEMENT_KEYS = ("element", "formulation", "axial_rule", "shear_factors")
 LATER_ELEMENTS = ("3343", "cable")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
@@ -56,11 +58,17 @@ def default_name(index: int) -> str:
     return "rod" if index == 0 else f"rod{index + 1}"
 
 
-def read_rod(table: Table, index: int, joined: Collection[str] = ()) -> Rod:
-    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold."""
+def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: bool = True) -> Rod:
+    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold.
+
+    Unless it is `meshed` it has no elements yet: `accuracy` chooses them.
+    """
     table.expect_keys(ROD_KEYS)
     name = _name(table, default_name(index))
-    segments = read_segments(table, MOST_ELEMENTS) if "segments" in table.data else (_whole(table),)
+    if "segments" in table.data:
+        segments = read_segments(table, MOST_ELEMENTS, meshed)
+    else:
+        segments = (_whole(table, meshed),)
     element = table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS)
     formulation = _formulation(table, element)
     rod = Rod.of_segments(
@@ -73,6 +81,7 @@ def read_rod(table: Table, index: int, joined: Collection[str] = ()) -> Rod:
         supports=_supports(table, name in joined),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, element, formulation),
+        any_element=not meshed and not any(key in table.data for key in ELEMENT_KEYS),
     )
     _check_slenderness(table, rod)
     _check_curvature(table, rod)
@@ -81,12 +90,12 @@ def read_rod(table: Table, index: int, joined: Collection[str] = ()) -> Rod:
     return rod
 
 
-def _whole(table: Table) -> Segment:
+def _whole(table: Table, meshed: bool) -> Segment:
     """Read a rod without segments, which is one."""
     return Segment(
         length=table.number("length", LENGTH, limit=SIZE),
         section=read_section(table.table("section")),
-        elements=table.whole("elements", 1, MOST_ELEMENTS),
+        elements=read_elements(table, MOST_ELEMENTS, meshed),
         material=read_material(table.table("material")),
     )
 
@@ -219,7 +228,7 @@ def _check_slenderness(table: Table, rod: Rod) -> None:
         _check_segments(table, rod)
         return
     slenderness = rod.length / rod.section.radius_of_gyration
-    floor = 10.0 * float(np.finfo(float).eps) * rod.elements * slenderness**2
+    floor = 10.0 * float(np.finfo(float).eps) * max(rod.elements, 1) * slenderness**2
     if floor > LARGEST_FLOOR:
         table.refuse(
             "length",
@@ -237,7 +246,7 @@ def _check_segments(table: Table, rod: Rod) -> None:
     noise = [
         part.material.young_modulus
         * max(part.section.area, part.last_section.area)
-        * part.elements
+        * max(part.elements, 1)
         / part.length
         for part in rod.parts
     ]

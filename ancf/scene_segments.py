@@ -8,7 +8,7 @@ import numpy as np
 
 from ancf.scene_materials import read_material
 from ancf.scene_sections import THINNEST, crossing_edges, read_section, thinness
-from ancf.scene_table import SIZE, Table
+from ancf.scene_table import SIZE, Table, show
 from ancf.sections import Polygon, Section
 from ancf.segments import Segment, between, starts
 from ancf.units import LENGTH
@@ -23,7 +23,22 @@ SHORTEST = 1e-7
 PLACES = 32
 
 
-def read_segments(table: Table, most_elements: int) -> tuple[Segment, ...]:
+def read_elements(table: Table, most: int, meshed: bool) -> int:
+    """Read `elements`; 0 for a rod whose mesh `accuracy` chooses, which refuses the key."""
+    if meshed:
+        return table.whole("elements", 1, most)
+    if "elements" in table.data:
+        table.refuse(
+            "elements",
+            "Elements and accuracy are both given.",
+            f"elements = {show(table.data['elements'])} beside accuracy in [solver]",
+            "accuracy stands in the place of elements: the program chooses the mesh",
+            "remove elements, or accuracy",
+        )
+    return 0
+
+
+def read_segments(table: Table, most_elements: int, meshed: bool = True) -> tuple[Segment, ...]:
     """Read the segments of a rod; keys of the whole rod that they stand in the place of are refused."""
     twice = [key for key in WHOLE_ROD_KEYS if key in table.data]
     if twice:
@@ -43,7 +58,7 @@ def read_segments(table: Table, most_elements: int) -> tuple[Segment, ...]:
             "an empty list, or one that a program wrote in the place of a taper",
             "list at least one segment, or give the rod its own keys; for a taper there is section_end",
         )
-    segments = tuple(_segment(entry, most_elements) for entry in entries)
+    segments = tuple(_segment(entry, most_elements, meshed) for entry in entries)
     total = float(starts(segments)[-1])
     for entry, segment in zip(entries, segments, strict=True):
         if segment.length < SHORTEST * total:
@@ -66,12 +81,12 @@ def read_segments(table: Table, most_elements: int) -> tuple[Segment, ...]:
     return segments
 
 
-def _segment(table: Table, most_elements: int) -> Segment:
+def _segment(table: Table, most_elements: int, meshed: bool) -> Segment:
     table.expect_keys(SEGMENT_KEYS)
     section = read_section(table.table("section"))
     return Segment(
         length=table.number("length", LENGTH, limit=SIZE),
-        elements=table.whole("elements", 1, most_elements),
+        elements=read_elements(table, most_elements, meshed),
         section=section,
         material=read_material(table.table("material")),
         section_end=_section_end(table, section) if "section_end" in table.data else None,

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from scipy import sparse
 
+    from ancf.accuracy_record import Accuracy
     from ancf.arclength import PathPoint
     from ancf.model import Model
     from ancf.newton import Iteration
@@ -109,13 +110,15 @@ class Solution:
     reductions: list[str] = field(default_factory=list)  # none in this version
     path: list[PathPoint] = field(default_factory=list)  # equilibria on the way, where the path was followed
     stability: Stability | None = None  # where the scene asks for it or the path was followed
+    accuracy: Accuracy | None = None  # where the scene asks for it
 
     @cached_property
     def warnings(self) -> list[str]:
         """Known limits of element, formulation and law that this solution meets, one sentence each."""
         from ancf.validity import validity_warnings
 
-        return validity_warnings(self)
+        unmet = [] if self.accuracy is None else self.accuracy.warnings
+        return unmet + validity_warnings(self)
 
     @property
     def iterations(self) -> int:
@@ -304,11 +307,13 @@ class Solution:
             "effects": self.effects,
             "reductions": self.reductions,
             "seconds": self.seconds,
-            "error_estimate": None,
+            "error_estimate": None if self.accuracy is None else self.accuracy.estimate,
             "unknowns": self.unknowns,
             "warnings": self.warnings,
             "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
         }
+        if self.accuracy is not None:
+            result["accuracy"] = self.accuracy.as_dict()
         if self.scene.joints:
             result["joints"] = [carried.as_dict() for carried in self.joints]
         if self.stability is not None:

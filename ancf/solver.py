@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ancf.errors import InputError, Message
 from ancf.failure import explain
 from ancf.model import Model
 from ancf.solution import Solution, Status
@@ -18,11 +19,25 @@ if TYPE_CHECKING:
     from ancf.scene import Scene
 
 
+NO_START = Message(
+    "A start and accuracy are both given.",
+    "solver.accuracy",
+    "start holds the coordinates of one mesh, and accuracy chooses another",
+    "a scene that asks for an accuracy has no mesh before it is solved",
+    "leave the start away, or solve the scene of an earlier solution (solution.scene), which has its mesh",
+)
+
+
 def prepare(scene: Scene) -> Model:
     """The arrays of a scene, every one that could be refused among them.
 
-    Raises `SceneError` when supports stand closer than elements or the reference overlaps itself.
+    Raises `SceneError` when supports stand closer than elements or the reference overlaps itself. Where the
+    scene asks for an `accuracy`, the mesh is the one that is tried first.
     """
+    if scene.solver.accuracy is not None:
+        from ancf.accuracy import prepared
+
+        scene = prepared(scene)
     model = Model(scene)
     for rod in model.rods:
         _ = rod.elastic.v0
@@ -46,11 +61,18 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     Raises
     ------
     SceneError : the scene cannot be meshed (supports closer than elements, overlapping reference).
+    InputError : a `start`, or elements, for a scene that asks for an `accuracy` (accuracy.py).
 
     Notes
     -----
     Newton with a band LU: cost linear in the number of elements. Paper section 2.4.
     """
+    if scene.solver.accuracy is not None:
+        from ancf.accuracy import solve_to_accuracy
+
+        if start is not None:
+            raise InputError(NO_START)
+        return solve_to_accuracy(scene)
     started = time.perf_counter()
     model = prepare(scene)
     setup = time.perf_counter() - started

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ancf.errors import InputError, Message
-from ancf.solver import prepare, solve
+from ancf.solver import NO_START, prepare, solve
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -45,8 +45,10 @@ def resume(scene: Scene, path: str | os.PathLike[str]) -> Solution:
     """Solve a scene from a saved state.
 
     Raises `InputError` when the file cannot be read or its rods, elements and meshes are not those of the
-    scene.
+    scene, and for a scene that asks for an `accuracy`, which has no mesh.
     """
+    if scene.solver.accuracy is not None:
+        raise InputError(NO_START)
     try:
         with np.load(path, allow_pickle=False) as data:
             schema, q, layout = int(data["schema"]), np.asarray(data["q"], float), str(data["layout"])

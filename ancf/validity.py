@@ -67,7 +67,8 @@ def validity_warnings(solution: Solution) -> list[str]:
     for rod in solution.model.rods:
         strains = [_strain(solution, rod, part) for part in range(len(rod.rod.parts))]
         texts = [
-            *_turns(solution, rod),
+            # An estimate that is small enough knows better.
+            *(() if solution.accuracy is not None and solution.accuracy.met else _turns(solution, rod)),
             *_law(rod, strains),
             *section_warnings(solution, rod, strains),
         ]

@@ -56,8 +56,10 @@ def outside(domain: Iterable[Mapping[str, Any]], scene: Scene, solution: Solutio
     """Why a scene is not inside the domain, one sentence each; empty when it is.
 
     Without a solution, curvature and turn are judged for rods under moments alone, strain is not, and for
-    any other load a sentence says that the solution is needed.
+    any other load a sentence says that the solution is needed, as for a scene that asks for an accuracy.
     """
+    if solution is None and scene.solver.accuracy is not None:
+        return ["the mesh is chosen when the scene is solved, so its solution is needed"]
     entries = {tuple(entry[key] for key in KEY): entry for entry in domain}
     known = regimes(solution) if solution is not None else [regime_of(rod, scene) for rod in scene.rods]
     reasons = [] if solution is None else _unfit(solution)

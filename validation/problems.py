@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from validation import (
+    problems_accuracy,
     problems_cross,
     problems_force,
     problems_identity,
@@ -40,6 +41,8 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "gap rate": problems_cross.gap_rate,
     "ladder": problems_cross.ladder,
     "section stress": problems_stress.section_stress,
+    "estimated error": problems_accuracy.estimated_error,
+    "model error": problems_accuracy.model_error,
 }
 
 

@@ -25,6 +25,8 @@ def test_solve_and_determinant_sign_are_the_dense_ones(n, b, seed):
     lu = factorise(pattern, flat)
     for right in (np.arange(1.0, n + 1), np.eye(n)):
         np.testing.assert_allclose(dense @ lu.solve(right), right, atol=1e-9 * np.linalg.cond(dense))
+        z = lu.solve(right, transposed=True)
+        np.testing.assert_allclose(dense.T @ z, right, atol=1e-9 * np.linalg.cond(dense))
     assert lu.determinant_sign == np.sign(np.linalg.det(dense))
 
 

@@ -32,6 +32,7 @@ from validation.runner import Run
 from validation.scenes import as_toml
 
 HERE = Path(__file__).parent
+ASKED = ("estimated error", "model error")  # problems of the chapter on `accuracy`
 CONTENTS = (
     ("not-shown", "What this report does not show"),
     ("coverage", "What was compared with what"),
@@ -42,6 +43,7 @@ CONTENTS = (
     ("own-numbers", "Our own earlier numbers"),
     ("locking", "Locking: the paper's element and its cure"),
     ("work", "What accuracy costs"),
+    ("asked", "Accuracy asked for"),
     ("hard-cases", "Hard cases"),
     ("paper", "The paper's figures 1 to 3"),
     ("decisions", "Where the paper is wrong or silent"),
@@ -116,6 +118,7 @@ def context(run: Run) -> dict[str, Any]:
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
         "hard": chapter(run.hard_cases),
         "cost": [{"cost": cost, "sentence": advice.sentence(cost)} for cost in run.work],
+        "asked": [r for r in run.cases if r.case.problem in ASKED and r.outcome is not None],
         "figures": _figures(run),
         "captions": captions(run),
         "shortfall": SHORTFALL,
@@ -173,20 +176,28 @@ def _data(result: CaseResult) -> str:
         count = len(case.parameters.get("variants", []))
         return "; ".join([f"{count} kinds of rod", *notes])
     rod = scene["rod"][0]
+    pieces = rod.get("segments", [rod])
     section = ", ".join(
         f"{k.replace('_', ' ')} {v:g} m" if isinstance(v, int | float) else str(v)
-        for k, v in rod["section"].items()
+        for k, v in pieces[0]["section"].items()
     )
-    material = rod["material"]
+    material = pieces[0]["material"]
     parts = [
-        f"{rod['elements']} elements {rod.get('element', '3333')}, {formulation_of(rod)}",
-        f"L = {rod['length']:g} m",
+        _mesh(rod),
+        f"L = {sum(piece['length'] for piece in pieces):g} m",
         section,
         _law(case, material),
     ]
     if any(rod.get("curvature", ())):
         parts.append(f"stress-free curvature {list(rod['curvature'])} 1/m")
     return "; ".join(parts)
+
+
+def _mesh(rod: dict[str, Any]) -> str:
+    """Elements, element and formulation as far as the scene gives them; an accuracy chooses the others."""
+    if "elements" in rod:
+        return f"{rod['elements']} elements {rod.get('element', '3333')}, {formulation_of(rod)}"
+    return f"elements {rod['element']} to be chosen" if "element" in rod else "elements to be chosen"
 
 
 def _short(case: Case) -> str:
@@ -196,7 +207,9 @@ def _short(case: Case) -> str:
     rod = case.rod
     rule = f", {rod['axial_rule']} axial rule" if "axial_rule" in rod else ""
     law = f", {rod['formulation']}" if "formulation" in rod else ""
-    section = rod["section"]
+    section = rod.get("segments", [rod])[0]["section"]
+    if "accuracies" in case.parameters or "accuracy" in case.parameters:
+        return rod.get("element", "")
     ratio = f", L/R = {rod['length'] / section['radius']:g}" if section["shape"] == "circle" else ""
     if "elements" in case.parameters or "slenderness" in case.parameters:
         return f"{rod.get('element', '3333')}{law}{rule}"
