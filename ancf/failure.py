@@ -192,7 +192,7 @@ def largest_wave(model: Model, q: Floats) -> float:
     for rod in model.rods:
         v = rod.generalised(q)
         t = v[:, :, 0] / np.linalg.norm(v[:, :, 0], axis=-1, keepdims=True)
-        force = rod.elastic.vector_force(v)[:, :, 0] / rod.axial_weights[..., None]
+        force = rod.section_force(q)[:, :, 0]
         pressed = np.max(-np.sum(force * t, axis=-1), axis=1).clip(min=0.0)
         first, kind = rod.element_kinds
         young = np.array([rod.material_of(index).young_modulus for index in first])

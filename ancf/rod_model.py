@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.assumed_strain import sampling
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
 from ancf.hyperelastic import Law
@@ -181,10 +182,16 @@ class RodModel:
         """Constant data of the elastic kernel; equal elements share their data."""
         first, kind = self.element_kinds
         xi, _ = gauss(self.axial_points)
-        N = np.array([generalised_shape(self.element, xi, float(self.mesh.h[index])) for index in first])
+        places, assumed = xi, None
+        if self.rod.axial_rule == "default" and self.element.assumed:
+            places, assumed = sampling(self.element, self.axial_points)
+        N = np.array([generalised_shape(self.element, places, float(self.mesh.h[index])) for index in first])
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
-        v0 = [shape @ _relative(self.element, self.e0[index]) for shape, index in zip(N, first, strict=True)]
+        v0 = [
+            shape[: len(xi)] @ _relative(self.element, self.e0[index])
+            for shape, index in zip(N, first, strict=True)
+        ]
         if all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
             H = [
                 [self._stiffness(self._local(index, s), v) for s, v in zip(xi, points, strict=True)]
@@ -194,7 +201,7 @@ class RodModel:
             section = QuadraticSection(_spread(weight * np.array(H), kind))
         else:
             section = QuadratureSection(self._groups(v0))
-        return ElasticRod(_spread(N, kind), section, self.e0, columns)
+        return ElasticRod(_spread(N, kind), section, self.e0, columns, assumed)
 
     def _local(self, element: int, xi: float) -> Rod:
         """The prismatic rod that an element is at xi."""
@@ -282,7 +289,16 @@ class RodModel:
 
     def generalised(self, q: Floats) -> Floats:
         """Generalised vectors v (n_el, points, generalised vectors, 3) at the axial points."""
-        return self.elastic.generalised(self.element_vectors(q))
+        return self.elastic.generalised(self.element_vectors(q))[:, : self.axial_points]
+
+    def strain_products(self, q: Floats) -> Floats:
+        """Strain products gamma (n_el, points, pairs) that the sections see at the axial points."""
+        return self.elastic.gamma(self.elastic.generalised(self.element_vectors(q)))
+
+    def section_force(self, q: Floats) -> Floats:
+        """Stress of the sections on v per length (n_el, points, generalised vectors, 3)."""
+        Q_v = self.elastic.section_force(self.elastic.generalised(self.element_vectors(q)))
+        return Q_v / self.axial_weights[..., None, None]
 
     @property
     def bending_stiffness(self) -> float:

@@ -39,7 +39,7 @@ ROD_KEYS = (
     "curvature",
     "shear_factors",
 )
-LATER_ELEMENTS = ("3343", "cable")
+LATER_ELEMENTS = ("cable",)
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod

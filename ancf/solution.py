@@ -200,7 +200,7 @@ class Solution:
         rod = self._rod(name)
         v = rod.generalised(self.q)
         count = len(rod.element.directors)
-        Q_v = rod.elastic.vector_force(v) / rod.axial_weights[..., None, None]
+        Q_v = rod.section_force(self.q)
         # d_k x dU/dd_k'; the axis itself (k = 0) carries force, not moment.
         moment = np.cross(v[:, :, count:], Q_v[:, :, 1:count]).sum(axis=2)
         x = rod.axial_abscissae.ravel()

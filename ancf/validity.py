@@ -15,6 +15,7 @@ from ancf.materials import SaintVenantKirchhoff
 from ancf.scene_rods import LARGEST_FLOOR
 from ancf.section_stress import part_skin, section_strain, tensor
 from ancf.section_validity import section_warnings
+from ancf.sections import Section
 from ancf.segments import STEEP
 
 if TYPE_CHECKING:
@@ -86,12 +87,17 @@ def _strain(solution: Solution, rod: RodModel, part: int) -> Floats:
 def _discretisation(rod: RodModel) -> Iterator[str]:
     """Limits of formulation and axial rule."""
     spec, element = rod.rod, rod.element
-    factors = {poisson_locking(part.material.poisson_ratio): part.material for part in spec.parts}
+    factors = {
+        poisson_locking(part.material.poisson_ratio, section if element.warps else None): part.material
+        for part in spec.parts
+        for section in (part.section, part.last_section)
+    }
     factor = max(factors, key=lambda value: abs(np.log(value)))
     nu = factors[factor].poisson_ratio
     if spec.formulation == "continuum" and not element.quadratic_section and nu != 0.0:
+        section = "a section that moves in its plane by y z only" if element.warps else "a linear section"
         yield (
-            f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
+            f'known limit: formulation "continuum" with {section} bends as if E I were {factor:.4g} '
             f"times its value at nu = {nu:.4g} (Poisson locking, at every mesh and for every law); "
             'use "enhanced"'
         )
@@ -136,9 +142,20 @@ def _profile(rod: RodModel) -> Iterator[str]:
         )
 
 
-def poisson_locking(nu: float) -> float:
-    """Bending stiffness over E I of a linear section under the full law (shared/theory.md, section 3)."""
-    return (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+def poisson_locking(nu: float, section: Section | None = None) -> float:
+    """Bending stiffness over E I of a linear section under the full law (shared/theory.md, section 3).
+
+    With a `section` that has r_yz: strain -k y along the axis comes with w = c y z, hence c y along z and the
+    shear c z, of energy 1/2 int [(lambda + 2 mu)(k^2 + c^2) y^2 - 2 lambda k c y^2 + mu c^2 z^2] dA, least at
+    c = lambda k/(lambda + 2 mu + mu int z^2/int y^2); about the axis where it helps less.
+    """
+    locked = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    if section is None:
+        return locked
+    law = SaintVenantKirchhoff(1.0, nu)
+    flat = section.principal_second_moments
+    softened = law.lame_lambda + law.lame_mu * (2.0 + flat[1] / flat[0])
+    return locked - law.lame_lambda**2 / softened
 
 
 def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:

@@ -76,7 +76,7 @@ def largest_kernel_strain(model: RodModel, q: Floats) -> float:
     gamma = model.elastic.gamma(model.elastic.generalised(per_element(model, q)))
     worst = 0.0
     for element, points in enumerate(model.elastic.v0):
-        for point, v0 in enumerate(points):
+        for point, v0 in enumerate(points[: model.axial_points]):
             _, weights = local_gradient(model.element, v0, outline[:, 0], outline[:, 1])
             strain = strain_matrix(weights) @ gamma[element, point]
             worst = largest(worst, float(np.max(np.abs(strain))))

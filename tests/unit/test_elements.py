@@ -11,7 +11,7 @@ from ancf.elements import ELEMENTS
 # with two
 # slopes and linear section vectors for 3243; three-node Lagrange for 3333, 3363
 # (Nachbagauer, Gruber, Gerstmayr 2013).
-DEGREES = {"3243": (3, 1), "3333": (2, 2), "3363": (2, 2)}
+DEGREES = {"3243": (3, 1), "3333": (2, 2), "3343": (2, 2), "3363": (2, 2)}
 H = 0.37  # m, any length
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
