@@ -64,6 +64,17 @@ def sampling(element: Element, points: int) -> tuple[Floats, Floats]:
     return at, A
 
 
+def interpolated(element: Element, kind: str, points: int, values: Floats) -> Floats:
+    """Values (n_el, points, ...) at the axial points of a field known at the places (n_el, places, ...),
+    through those where the element samples strains of a kind.
+    """
+    axial, _ = gauss(points)
+    at, _ = sampling(element, points)
+    sampled = np.array(dict(element.assumed)[kind])
+    columns = [int(np.argmin(np.abs(at - xi))) for xi in sampled]
+    return np.einsum("gs,es...->eg...", _lagrange(sampled, axial), values[:, columns])
+
+
 def _lagrange(places: Floats, xi: Floats) -> Floats:
     """Lagrange polynomials of the places (s,) at xi (g,): (g, s)."""
     to_one = np.vander(places, increasing=True)

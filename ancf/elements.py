@@ -18,13 +18,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
+from math import factorial, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Order = tuple[int, int, int]
+
+GAUSS_2 = 1.0 / sqrt(3.0)  # two-point Gauss rule, where quadratic and cubic axes have their best slopes
 
 R: Order = (0, 0, 0)
 R_X: Order = (1, 0, 0)
@@ -72,7 +74,7 @@ class Element:
 
         Slopes of all directors, the directors but the axis; without section vectors r_x and r_xx.
         """
-        if len(self.directors) == 1:
+        if not self.has_section:
             return (R_X, R_XX)
         slopes = [(1, j, k) for j, k in self.directors]
         return (*slopes, *((0, j, k) for j, k in self.directors[1:]))
@@ -99,6 +101,11 @@ class Element:
     def quadratic_section(self) -> bool:
         """Whether sections can show the in-plane field of bending (all directors of second degree)."""
         return {(2, 0), (1, 1), (0, 2)} <= set(self.directors)
+
+    @property
+    def has_section(self) -> bool:
+        """Whether nodes carry section vectors; without them the element is an axis, a cable."""
+        return len(self.directors) > 1
 
     @property
     def linear_section(self) -> bool:
@@ -187,6 +194,9 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # 3343: 3333 with r_yz, by which rectangles warp in torsion. Strains of the section at the nodes remove what
 # is left of curvature-thickness locking: an order of magnitude less error than 3333 at the same mesh.
 # 3363: 3333 with quadratic sections, which show the in-plane field of bending: the continuum without locking.
+# cable: cubic Hermite axis alone. With its strain taken at the nodes, which neighbours share, and in the
+# middle it can bend without stretching; its curvature is best at two Gauss points; three points leave no mode
+# free.
 ELEMENTS: dict[str, Element] = {
     "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5, locks_from=3),
     "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
@@ -208,4 +218,19 @@ ELEMENTS: dict[str, Element] = {
         locks_from=3,
         formulations=("continuum",),
     ),
+    "cable": Element(
+        "cable",
+        (-1.0, 1.0),
+        (R, R_X),
+        axial_points=3,
+        full_points=5,
+        locks_from=3,
+        formulations=("enhanced",),
+        assumed=(("axial", (-1.0, 0.0, 1.0)), ("curvature", (-GAUSS_2, GAUSS_2))),
+    ),
+}
+
+# Those that know how their sections stand: what turns, twists or strains a section asks for one of them.
+SECTION_ELEMENTS: dict[str, Element] = {
+    name: element for name, element in ELEMENTS.items() if element.has_section
 }

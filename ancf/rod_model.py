@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.assumed_strain import sampling
+from ancf.cable import cable_section
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
 from ancf.hyperelastic import Law
@@ -89,6 +90,11 @@ class RodModel:
         if rule == "default":
             return self.element.axial_points
         return self.element.full_points if rule == "full" else int(rule)
+
+    @property
+    def assumes_strains(self) -> bool:
+        """Whether the axial rule is the element's own and takes strains elsewhere than at its points."""
+        return self.rod.axial_rule == "default" and bool(self.element.assumed)
 
     @cached_property
     def axial_weights(self) -> Floats:
@@ -182,9 +188,7 @@ class RodModel:
         """Constant data of the elastic kernel; equal elements share their data."""
         first, kind = self.element_kinds
         xi, _ = gauss(self.axial_points)
-        places, assumed = xi, None
-        if self.rod.axial_rule == "default" and self.element.assumed:
-            places, assumed = sampling(self.element, self.axial_points)
+        places, assumed = sampling(self.element, self.axial_points) if self.assumes_strains else (xi, None)
         N = np.array([generalised_shape(self.element, places, float(self.mesh.h[index])) for index in first])
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
@@ -192,7 +196,9 @@ class RodModel:
             shape[: len(xi)] @ _relative(self.element, self.e0[index])
             for shape, index in zip(N, first, strict=True)
         ]
-        if all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
+        if not self.element.has_section:
+            section = cable_section(self)
+        elif all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
             H = [
                 [self._stiffness(self._local(index, s), v) for s, v in zip(xi, points, strict=True)]
                 for index, points in zip(first, v0, strict=True)
@@ -260,9 +266,10 @@ class RodModel:
         xi = np.clip(np.array([2.0 * (x - breaks[index]) / h - 1.0]), -1.0, 1.0)
         N, N_x = self.element.shape(xi, h)[0], self.element.shape(xi, h, derivative=1)[0]
         d0 = N @ self.e0[index]
-        return SectionPoint(
-            self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
-        )
+        W = np.zeros_like(d0)  # without section vectors there is no rotation to weigh
+        if self.element.has_section:
+            W = director_weights(self.element, self.rod.section_at(at), d0)
+        return SectionPoint(self.dofs[index], N, N_x, d0, W)
 
     def node_at(self, at: float) -> int:
         """The node nearest to a fraction of the reference length."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
+from ancf.scene_cable import refuse_on_cable
 from ancf.scene_table import FRACTION, Limit, Table
 from ancf.units import (
     ACCELERATION,
@@ -34,6 +35,8 @@ def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
     """Read one `[[moment]]`."""
     table.expect_keys(("rod", "at", "value", "frame", "direction", "definition"))
     rod = _rod_of(table, rods)
+    why = "a moment turns a section, and a cable has none"
+    refuse_on_cable(table, rod, "rod", "A cable carries no [[moment]].", why)
     return Moment(
         rod=rod.name,
         at=table.number("at", NUMBER, 1.0, FRACTION),
@@ -49,6 +52,9 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
     rod = _rod_of(table, rods)
     at = table.number("at", NUMBER, 1.0, FRACTION)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
+    if any(offset):
+        why = "a lever arm needs a section that turns"
+        refuse_on_cable(table, rod, "offset", "A cable carries forces on its axis only.", why)
     section = rod.section_at(at)
     # The axis itself may be loaded in a hollow section too: a plug or a clamp carries it there.
     if any(offset) and not section.contains(*offset):
@@ -65,7 +71,7 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
         at=at,
         value=_value(table, rod, FORCE),
         offset=offset,
-        direction=table.word("direction", DIRECTIONS, "fixed"),
+        direction=_direction(table, rod),
     )
 
 
@@ -76,7 +82,7 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
     return LineLoad(
         rod=rod.name,
         value=_value(table, rod, FORCE_PER_LENGTH),
-        direction=table.word("direction", DIRECTIONS, "fixed"),
+        direction=_direction(table, rod),
     )
 
 
@@ -130,6 +136,15 @@ def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
     names = [rod.name for rod in rods]
     name = table.known("rod", names, "rod", "the load stands on a rod that the scene does not list")
     return rods[names.index(name)]
+
+
+def _direction(table: Table, rod: Rod) -> str:
+    """Read the direction of a force; a follower turns with a section."""
+    direction = table.word("direction", DIRECTIONS, "fixed")
+    if direction == "follower":
+        why = "a follower turns with the section, and a cable has none"
+        refuse_on_cable(table, rod, "direction", "A cable carries no follower loads.", why)
+    return direction
 
 
 def _value(table: Table, rod: Rod, dimension: Dimension) -> NDArray[np.float64]:

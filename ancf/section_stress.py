@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.cable import fibre_gradient, fibre_strain
 from ancf.cauchy_green import CauchyGreen
 from ancf.errors import InputError, Message
 from ancf.hyperelastic import enhanced_potentials, full_potential
@@ -33,6 +34,8 @@ _IDENTITY = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 def section_strain(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0) -> Floats:
     """E_gl (m, n, 6) of a rod at the model's coordinates q, shear doubled (materials.py)."""
+    if not rod.element.has_section:
+        return fibre_strain(rod, q, y, z, part)
     gamma = rod.strain_products(q)[rod.elements_of(part)]
     strain = np.empty((*gamma.shape[:2], np.shape(y)[-1], 6))
     for kind, point, _, weights in _references(rod, y, z, part):
@@ -42,6 +45,8 @@ def section_strain(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0
 
 def deformation_gradient(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0) -> Floats:
     """F = sum_i v_i (a_i J_l^-1)^T, (m, n, 3, 3)."""
+    if not rod.element.has_section:
+        return fibre_gradient(rod, q, y, z, part)
     v = rod.generalised(q)[rod.elements_of(part)]
     F = np.empty((*v.shape[:2], np.shape(y)[-1], 3, 3))
     for kind, point, _, weights in _references(rod, y, z, part):
@@ -56,9 +61,12 @@ def second_stress(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0)
     enhanced   S = dPsi_0/dE at the point + d(Psi - Psi_0)/dE on the axis: the energy, too, has there alone
                what Poisson's ratio adds
     3363       S = dPsi_shape/dE at the point + the volume part with the affine pressure that the energy knows
+    cable      S_xx = E_young E_xx, nothing else
     """
     strain = section_strain(rod, q, y, z, part)
     material = rod.rod.parts[part].material
+    if not rod.element.has_section:
+        return material.young_modulus * strain
     if rod.element.quadratic_section:
         return _with_affine_pressure(rod, q, strain, y, z, part)
     if rod.rod.formulation == "continuum":

@@ -111,11 +111,13 @@ def _discretisation(rod: RodModel) -> Iterator[str]:
         for part in spec.parts
         for section in (part.section, part.last_section)
     )
-    if rod.axial_points >= element.locks_from and slenderness > LOCKING_SLENDERNESS:
+    locks = rod.axial_points >= element.locks_from and not rod.assumes_strains
+    if locks and slenderness > LOCKING_SLENDERNESS:
+        advice = "use 3333 with its default rule" if element.has_section else "use the default rule"
         yield (
             f"{element.name} with {rod.axial_points} axial points locks in bending: element length "
-            f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
-            "default rule, or more elements"
+            f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); {advice}, "
+            "or more elements"
         )
     yield from _profile(rod)
 
