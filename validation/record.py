@@ -104,6 +104,7 @@ def as_dict(run: Run) -> dict[str, Any]:
             ],
             "studies": {name: finding_dict(f) for name, f in run.study_findings.items()},
             "locking": [vars(point) for point in run.locking],
+            "remedies": [vars(remedy) for remedy in run.remedies],
             "work_precision": [vars(point) for point in run.work],
             "failed_parts": run.failed_parts,
             "environment": run.environment,
