@@ -55,16 +55,6 @@ def check_cable(table: Table, rod: Rod, joined: bool) -> None:
             "its tangent is the normal of its sections",
             "remove shear_factors, or " + ADVICE,
         )
-    for index, support in enumerate(rod.supports):
-        if support.kind == "free_section_clamp":
-            _refuse(
-                table,
-                f"supports[{index}].kind",
-                "A cable has no section that could contract.",
-                f'kind = "free_section_clamp" at {support.at:g}',
-                "a clamp holds its position and tangent, a pin its position",
-                'write kind = "clamp" or "pin"',
-            )
     if joined:
         _refuse(
             table,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf import cable
 from ancf.failure import LARGEST_TURN, element_turns
 from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
@@ -39,6 +40,9 @@ VOLUME_LIMIT = 0.2
 LOCKING_SLENDERNESS = 25.0
 # Elements with r_x at their nodes keep the axial strain continuous: worth a sentence from this jump on.
 STIFFNESS_JUMP = 1.01
+# Share of its own stretch that an element of a cable loses where r_x is held (measured, 1 and 5 %).
+HELD_STRETCH = 0.12
+LARGEST_HELD = 5e-4
 OUTLINE_POINTS = 16
 
 
@@ -69,6 +73,7 @@ def validity_warnings(solution: Solution) -> list[str]:
         strains = [_strain(solution, rod, part) for part in range(len(rod.rod.parts))]
         texts = [
             *_turns(solution, rod),
+            *_held_stretch(solution, rod),
             *_law(rod, strains),
             *section_warnings(solution, rod, strains),
         ]
@@ -158,6 +163,25 @@ def poisson_locking(nu: float, section: Section | None = None) -> float:
     flat = section.principal_second_moments
     softened = law.lame_lambda + law.lame_mu * (2.0 + flat[1] / flat[0])
     return locked - law.lame_lambda**2 / softened
+
+
+def _held_stretch(solution: Solution, rod: RodModel) -> Iterator[str]:
+    """A clamp of a cable holds r_x, and its stretch with it."""
+    if rod.element.has_section:
+        return
+    strain = np.abs(cable.axial_strain(rod, solution.q)).max(axis=1)
+    for support in rod.rod.supports:
+        if support.kind != "clamp":
+            continue
+        node = rod.node_at(support.at)
+        beside = [index for index in (node - 1, node) if 0 <= index < len(strain)]
+        lost = HELD_STRETCH * sum(strain[index] * rod.mesh.h[index] for index in beside) / rod.rod.length
+        if lost > LARGEST_HELD:
+            yield (
+                f"the clamp at {support.at:g} holds r_x of the cable, which cannot stretch there: {lost:.1e} of "
+                f'the length is lost (above {LARGEST_HELD:g}); use "free_section_clamp", which holds the '
+                "direction of r_x only"
+            )
 
 
 def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:

@@ -153,7 +153,6 @@ CABLES: dict[str, Any] = {
     "curved": (False,),
     "shapes": ("circle", "annulus"),
     "laws": ("saint-venant-kirchhoff",),
-    "supports": ("clamp",),
     "shear_factors": (False,),
 }
 

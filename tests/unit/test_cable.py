@@ -203,8 +203,26 @@ def test_frames_begin_at_the_clamp():
     np.testing.assert_allclose(start.rotation[:, 0], start.r_x / np.linalg.norm(start.r_x), atol=1e-12)
 
 
+def test_a_free_section_clamp_lets_the_cable_stretch():
+    """A clamp holds r and r_x, so nothing stretches at it; the other kind holds the direction of r_x, and a
+    uniform pull P = E A (s^3 - s)/2 is a uniform stretch, to rounding.
+    """
+    s, A = 1.05, np.pi * 0.01**2
+    P = YOUNG * A * (s**3 - s) / 2
+    errors = {}
+    for kind in ("clamp", "free_section_clamp"):
+        rod = cable(100.0, 4, supports=(Support(0.0, kind),))
+        found = solve(Scene((rod,), forces=(Force("line", 1.0, np.array([P, 0.0, 0.0])),)))
+        errors[kind] = abs(found.tip().position[0] - s)
+        assert any("holds r_x of the cable" in text for text in found.warnings) == (kind == "clamp")
+        axis = found.pose(None, 0.0).r_x
+        np.testing.assert_allclose(axis[1:], 0.0, atol=1e-12)
+        assert axis[0] == pytest.approx(1.0 if kind == "clamp" else s, abs=1e-9)
+    assert errors["free_section_clamp"] < 1e-9 < 1e-4 < errors["clamp"]
+
+
 def test_hanging_between_two_pins():
-    """Two pins hold a cable and share its weight. Sag of a shallow string: w L^2/(8 H)."""
+    """Two pins hold a cable and share its weight; sag of a shallow string w L^2/(8 H), force H along it."""
     supports = (Support(0.0, "pin"), Support(1.0, "pin"))
     rod = cable(2000.0, 24, supports=supports)
     weight = 1000.0 * rod.section.area
