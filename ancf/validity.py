@@ -178,8 +178,8 @@ def _held_stretch(solution: Solution, rod: RodModel) -> Iterator[str]:
         lost = HELD_STRETCH * sum(strain[index] * rod.mesh.h[index] for index in beside) / rod.rod.length
         if lost > LARGEST_HELD:
             yield (
-                f"the clamp at {support.at:g} holds r_x of the cable, which cannot stretch there: {lost:.1e} of "
-                f'the length is lost (above {LARGEST_HELD:g}); use "free_section_clamp", which holds the '
+                f"the clamp at {support.at:g} holds r_x of the cable, which cannot stretch there: {lost:.1e} "
+                f'of the length is lost (above {LARGEST_HELD:g}); use "free_section_clamp", which holds the '
                 "direction of r_x only"
             )
 
