@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ancf import cable as cable_measures
 from ancf.axis_frames import smallest_rotation, steps
 from ancf.cable_law import CableSection
+from ancf.failure import largest_wave
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.scene import Force, Frame, Gravity, LineLoad, Rod, Scene, StabilityOptions, Support
@@ -262,3 +264,50 @@ def test_a_thick_cable_is_warned_about():
     rod = cable(12.0, 8)
     found = solve(Scene((rod,), forces=(Force("line", 1.0, np.array([0.0, 5.0 * stiffness(rod), 0.0])),)))
     assert any("largest Green-Lagrange strain" in text for text in found.warnings)
+
+
+def test_measures_of_a_stretched_arc():
+    """Nodes on a circle of curvature c, tangents s long: eps = (s^2 - 1)/2, k = s c about z, E_xx = eps - y k,
+    F e_x = (s - y k) t, and the axial force E A eps s. One element turns by s c h = 0.01, so that the cubic
+    is the circle to 1e-9.
+    """
+    s, c = 1.2, 0.1 / 1.2
+    rod = cable(50.0, 10)
+    model = Model(Scene((rod,)))
+    (part,) = model.rods
+    angle = s * c * part.mesh.node_x
+    q = np.zeros_like(part.q0)
+    q[:, 0] = np.column_stack([np.sin(angle), 1.0 - np.cos(angle), 0.0 * angle]) / c
+    q[:, 1] = s * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    eps, y, R = 0.5 * (s**2 - 1.0), np.array([0.015, -0.004]), rod.section.outer_radius
+    k = cable_measures.curvature(part, q.ravel())
+    np.testing.assert_allclose(k, np.broadcast_to([0.0, 0.0, s * c], k.shape), atol=1e-6)
+    strain = cable_measures.fibre_strain(part, q.ravel(), y, 0.0 * y, 0)
+    np.testing.assert_allclose(strain[..., 0], np.broadcast_to(eps - y * s * c, strain.shape[:2]), rtol=1e-5)
+    F = cable_measures.fibre_gradient(part, q.ravel(), y, 0.0 * y, 0)
+    np.testing.assert_allclose(np.linalg.det(F), np.broadcast_to(s - y * s * c, F.shape[:2]), rtol=1e-5)
+    np.testing.assert_allclose(
+        cable_measures.axial_forces(part, q.ravel()), YOUNG * np.pi * R**2 * eps * s, rtol=1e-6
+    )
+
+
+def test_the_moment_of_the_elastica_is_that_of_statics():
+    """m = P (x_tip - x) at every axial point: linear between the two places where the curvature is best."""
+    rod = cable(500.0, 24)
+    EI = stiffness(rod)
+    found = solve(Scene((rod,), forces=(Force("line", 1.0, np.array([0.0, 10.0 * EI, 0.0])),)))
+    forces = found.section_forces()
+    x = found.displaced(None, forces.at, 0.0, 0.0)[:, 0]
+    expected = 10.0 * (found.tip().position[0] - x)
+    assert (
+        np.max(np.abs(forces.moment[:, 2] / EI - expected)) < 2e-3
+    )  # of 4.4; at the axial points themselves 5e-3
+
+
+def test_a_pressed_cable_is_measured_in_waves():
+    """h sqrt(-N/E I) with N = E A eps s of a straight cable pressed to s: failure.largest_wave."""
+    s, rod = 0.999, cable(100.0, 5)
+    model = Model(Scene((rod,)))
+    q = s * model.rods[0].q0
+    N = YOUNG * rod.section.area * 0.5 * (s**2 - 1.0) * s
+    assert largest_wave(model, q.ravel()) == pytest.approx(0.2 * np.sqrt(-N / stiffness(rod)), rel=1e-9)
