@@ -267,9 +267,8 @@ def test_a_thick_cable_is_warned_about():
 
 
 def test_measures_of_a_stretched_arc():
-    """Nodes on a circle of curvature c, tangents s long: eps = (s^2 - 1)/2, k = s c about z, E_xx = eps - y k,
-    F e_x = (s - y k) t, and the axial force E A eps s. One element turns by s c h = 0.01, so that the cubic
-    is the circle to 1e-9.
+    """Nodes on a circle of curvature c, tangents s long: eps = (s^2 - 1)/2, k = s c about z, E_xx = eps - y k
+    F e_x = (s - y k) t, the force E A eps s. An element turns by 0.01: the cubic is the circle to 1e-9.
     """
     s, c = 1.2, 0.1 / 1.2
     rod = cable(50.0, 10)
