@@ -14,6 +14,7 @@ from validation.expected import expected_checks
 from validation.hard_cases import HardResult, hard_cases
 from validation.hard_limits import hard_limits
 from validation.locking import LockingPoint, SlendernessRow
+from validation.locking_remedies import Remedy
 from validation.outcome import Outcome
 from validation.problems import CaseResult
 from validation.properties import PROPERTIES
@@ -66,6 +67,7 @@ def passing_run(roots):
         run.hard_cases.append(HardResult(case, Verdict.PASS, case.expected[0], "", findings=held))
     run.locking.append(LockingPoint("3333", "enhanced", 0.3, 1.0, 1.0))
     run.slenderness.append(SlendernessRow(20, 1, [0.1], [0.1]))
+    run.remedies.append(Remedy("3343", "2 points", True, 0, [1e-6] * 4, [1e-6] * 3))
     run.work.append(WorkPoint("3333", "8 elements", 100, 1e-4, 0.1, 0.1, 7, 5))
     run.regimes = {case.id: [REGIME] for case in cases if case.id in (CASE, "HX-3333-12")}
     run.subject = digests.of_solver(roots)
