@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
+from math import factorial, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +26,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Order = tuple[int, int, int]
 
+GAUSS_2 = 1.0 / sqrt(3.0)  # two-point Gauss rule, where quadratic and cubic axes have their best slopes
+
 R: Order = (0, 0, 0)
 R_X: Order = (1, 0, 0)
 R_Y: Order = (0, 1, 0)
 R_Z: Order = (0, 0, 1)
+R_XX: Order = (2, 0, 0)
 R_YY: Order = (0, 2, 0)
 R_YZ: Order = (0, 1, 1)
 R_ZZ: Order = (0, 0, 2)
@@ -47,6 +50,8 @@ class Element:
     full_points : Gauss points that integrate the Saint Venant-Kirchhoff energy of a straight element exactly
     locks_from : with this many axial points or more, slender rods lock in bending (curvature-thickness)
     formulations : the formulations that the element knows, its default first (section_energy.py)
+    assumed : strains that the default axial rule samples elsewhere on the axis, -1 to 1, than at its points
+        (assumed_strain.py); other rules take every strain at their points
     """
 
     name: str
@@ -56,11 +61,23 @@ class Element:
     full_points: int
     locks_from: int
     formulations: tuple[str, ...] = ("enhanced", "continuum")
+    assumed: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
         """Section monomials (power of y, power of z) in the order in which the vectors name them."""
         return tuple(dict.fromkeys((j, k) for _, j, k in self.vectors))
+
+    @cached_property
+    def generalised(self) -> tuple[Order, ...]:
+        """Derivatives (x, y, z) of r on the axis, on whose products the energy of a section depends.
+
+        Slopes of all directors, the directors but the axis; without section vectors r_x and r_xx.
+        """
+        if not self.has_section:
+            return (R_X, R_XX)
+        slopes = [(1, j, k) for j, k in self.directors]
+        return (*slopes, *((0, j, k) for j, k in self.directors[1:]))
 
     @cached_property
     def y_director(self) -> int:
@@ -84,6 +101,21 @@ class Element:
     def quadratic_section(self) -> bool:
         """Whether sections can show the in-plane field of bending (all directors of second degree)."""
         return {(2, 0), (1, 1), (0, 2)} <= set(self.directors)
+
+    @property
+    def has_section(self) -> bool:
+        """Whether nodes carry section vectors; without them the element is an axis, a cable."""
+        return len(self.directors) > 1
+
+    @property
+    def linear_section(self) -> bool:
+        """Whether the position is linear in (y, z): every director of first degree."""
+        return all(j + k <= 1 for j, k in self.directors)
+
+    @property
+    def warps(self) -> bool:
+        """Whether sections can warp by y z, as ellipses do in torsion."""
+        return (1, 1) in self.directors
 
     @property
     def vectors_per_element(self) -> int:
@@ -159,10 +191,24 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # 3243: cubic Hermite axis, linear section vectors. Two axial points leave spurious zero modes, three lock
 # mildly.
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
+# 3343: 3333 with r_yz, by which rectangles warp in torsion. Strains of the section at the nodes remove what
+# is left of curvature-thickness locking: an order of magnitude less error than 3333 at the same mesh.
 # 3363: 3333 with quadratic sections, which show the in-plane field of bending: the continuum without locking.
+# cable: cubic Hermite axis alone. With its strain taken at the nodes, which neighbours share, and in the
+# middle it can bend without stretching; its curvature is best at two Gauss points; three points leave no mode
+# free.
 ELEMENTS: dict[str, Element] = {
     "3333": Element("3333", (-1.0, 0.0, 1.0), (R, R_Y, R_Z), axial_points=2, full_points=5, locks_from=3),
     "3243": Element("3243", (-1.0, 1.0), (R, R_X, R_Y, R_Z), axial_points=3, full_points=5, locks_from=3),
+    "3343": Element(
+        "3343",
+        (-1.0, 0.0, 1.0),
+        (R, R_Y, R_Z, R_YZ),
+        axial_points=2,
+        full_points=5,
+        locks_from=3,
+        assumed=(("section", (-1.0, 0.0, 1.0)),),
+    ),
     "3363": Element(
         "3363",
         (-1.0, 0.0, 1.0),
@@ -172,4 +218,19 @@ ELEMENTS: dict[str, Element] = {
         locks_from=3,
         formulations=("continuum",),
     ),
+    "cable": Element(
+        "cable",
+        (-1.0, 1.0),
+        (R, R_X),
+        axial_points=3,
+        full_points=5,
+        locks_from=3,
+        formulations=("enhanced",),
+        assumed=(("axial", (-1.0, 0.0, 1.0)), ("curvature", (-GAUSS_2, GAUSS_2))),
+    ),
+}
+
+# Those that know how their sections stand: what turns, twists or strains a section asks for one of them.
+SECTION_ELEMENTS: dict[str, Element] = {
+    name: element for name, element in ELEMENTS.items() if element.has_section
 }

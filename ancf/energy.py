@@ -6,6 +6,9 @@ At each axial point v = N e (section_energy.generalised_shape) and gamma_ij = v_
     Q = N^T (S v),                      S_ij = T_ij (i != j), 2 T_ii,
     K = N^T (B_v^T H B_v + S (x) I) N,  B_v = d gamma / d v.
 
+With assumed strains (assumed_strain.py) T and H belong to gamma_bar(x_g) = sum_s A_gs gamma(x_s): the same
+expressions with S of A^T T at the places x_s, and B^T H B with B = A B_v N.
+
 T and H carry the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
 tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent
 only, by the stress that the last linear step predicted: T(gamma_o) + H(gamma_o) (gamma - gamma_o) at
@@ -37,16 +40,20 @@ class ElasticRod:
 
     Parameters
     ----------
-    N : (n_el or 1, points, generalised vectors, nodal vectors of the element) [m^(...)]
-    section : energy of the strain products, axial weight included
+    N : (n_el or 1, places, generalised vectors, nodal vectors of the element) [m^(...)]; the places are the
+        axial points, followed by those where assumed strains are sampled besides
+    section : energy of the strain products at the axial points, axial weight included
     e0 : (n_el, nodal vectors of the element, 3) reference nodal vectors
     position_columns : which nodal vectors of an element are positions
+    assumed : (points, places, pairs) strain products at the axial points from those at the places; None: the
+        places are the axial points
     """
 
     N: Floats
     section: SectionLaw
     e0: Floats
     position_columns: NDArray[np.intp]
+    assumed: Floats | None = None
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -54,7 +61,7 @@ class ElasticRod:
 
     @cached_property
     def v0(self) -> Floats:
-        """Reference generalised vectors (n_el, points, generalised vectors, 3)."""
+        """Reference generalised vectors (n_el, places, generalised vectors, 3)."""
         return self.generalised(self.e0)
 
     @cached_property
@@ -62,7 +69,7 @@ class ElasticRod:
         return self._packed(_gram(self.v0, self.v0))
 
     def generalised(self, e: Floats) -> Floats:
-        """Generalised vectors v (n_el, points, generalised vectors, 3) of e (n_el, nodal, 3)."""
+        """Generalised vectors v (n_el, places, generalised vectors, 3) of e (n_el, nodal, 3)."""
         relative = e.copy()
         relative[..., self.position_columns, :] -= e[..., self.position_columns[:1], :]
         return self.N @ relative[..., None, :, :]
@@ -73,13 +80,21 @@ class ElasticRod:
 
     def gamma(self, v: Floats) -> Floats:
         """Strain products (n_el, points, pairs), exactly zero at the reference."""
-        return self._packed(_gram(v, v)) - self._products0
+        return self._at_points(self._packed(_gram(v, v)) - self._products0)
+
+    def _at_points(self, gamma: Floats) -> Floats:
+        """Strain products (n_el, points, pairs) that the sections see, from those at the places."""
+        return gamma if self.assumed is None else np.einsum("gsp,...sp->...gp", self.assumed, gamma)
+
+    def _at_places(self, T: Floats) -> Floats:
+        """Resultants (n_el, places, pairs) from those at the axial points: the transpose of `_at_points`."""
+        return T if self.assumed is None else np.einsum("gsp,...gp->...sp", self.assumed, T)
 
     def predicted_gamma(self, v: Floats, v_previous: Floats) -> Floats:
         """Strain products that the linear step from v_previous to v predicted (mixed integration point)."""
         mixed = _gram(v_previous, v)
         gram = mixed + np.swapaxes(mixed, -1, -2) - _gram(v_previous, v_previous)
-        return self._packed(gram) - self._products0
+        return self._at_points(self._packed(gram) - self._products0)
 
     def energy(self, e: Floats) -> float:
         """Strain energy [J]."""
@@ -94,8 +109,16 @@ class ElasticRod:
         return S + np.swapaxes(S, -1, -2)  # doubles the diagonal, as d(v_i . v_i) = 2 v_i . dv_i demands
 
     def vector_force(self, v: Floats) -> Floats:
-        """Forces conjugate to v (n_el, points, generalised vectors, 3), axial weight included."""
-        return self._symmetric(self.section.resultants(self.gamma(v))) @ v
+        """Forces conjugate to v (n_el, places, generalised vectors, 3), axial weight included."""
+        return self._symmetric(self._at_places(self.section.resultants(self.gamma(v)))) @ v
+
+    def section_force(self, v: Floats) -> Floats:
+        """Stress of the sections on v (n_el, points, generalised vectors, 3), axial weight included.
+
+        The same as `vector_force` where no strain is assumed.
+        """
+        T = self.section.resultants(self.gamma(v))
+        return self._symmetric(T) @ v[..., : T.shape[-2], :]
 
     def force(self, e: Floats) -> Floats:
         """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""
@@ -108,42 +131,59 @@ class ElasticRod:
         """
         v = self.generalised(e)
         T, H = self.section.response(self.gamma(v))
-        S = self._symmetric(T)
+        S = self._symmetric(self._at_places(T))
         Q = self._force_to_nodes(S @ v)
         if e_previous is not None:
             v_previous = self.generalised(e_previous)
             predicted = self.predicted_gamma(v, v_previous)
-            S = self._symmetric(self.section.predicted(self.gamma(v_previous), predicted))
+            S = self._symmetric(self._at_places(self.section.predicted(self.gamma(v_previous), predicted)))
+        if self.assumed is not None:
+            return Q, self._assumed_material(v, H) + self.geometric_tangent(S)
         return Q, self._tangent_to_nodes(self._material(v, H) + _times_identity(S))
 
     def material_tangent(self, v: Floats) -> Floats:
         """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at generalised vectors v."""
-        return self._tangent_to_nodes(self._material(v, self.section.response(self.gamma(v))[1]))
+        H = self.section.response(self.gamma(v))[1]
+        return (
+            self._tangent_to_nodes(self._material(v, H))
+            if self.assumed is None
+            else self._assumed_material(v, H)
+        )
 
     def geometric_tangent(self, S: Floats) -> Floats:
-        """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal)."""
+        """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal), S at the places."""
         return self._tangent_to_nodes(_times_identity(S))
 
     def _material(self, v: Floats, H: Floats) -> Floats:
         """B_v^T H B_v (n_el, points, 3 vectors, 3 vectors) on the generalised vectors."""
+        B_v = self._strain_changes(v)
+        return np.swapaxes(B_v, -1, -2) @ (H @ B_v)
+
+    def _assumed_material(self, v: Floats, H: Floats) -> Floats:
+        """B^T H B (n_el, 3 nodal, 3 nodal), B = A B_v N the change of the assumed strains."""
+        assert self.assumed is not None
+        B = np.einsum("gsp,...spc->...gpc", self.assumed, self._strain_changes(v) @ self._N_components)
+        return np.sum(np.swapaxes(B, -1, -2) @ (H @ B), axis=-3)
+
+    def _strain_changes(self, v: Floats) -> Floats:
+        """B_v = d gamma / d v (n_el, places, pairs, 3 vectors)."""
         *places, count, _ = v.shape
         i, j = self._pairs
         index = np.arange(len(i))
         B_v = np.zeros((*places, len(i), count, 3))
         B_v[..., index, i, :] = v[..., j, :]
         B_v[..., index, j, :] += v[..., i, :]
-        B_v = B_v.reshape(*places, len(i), 3 * count)
-        return np.swapaxes(B_v, -1, -2) @ (H @ B_v)
+        return B_v.reshape(*places, len(i), 3 * count)
 
     @cached_property
     def _N_stacked(self) -> Floats:
-        """N of all points side by side, transposed: (n_el or 1, nodal, points * vectors)."""
+        """N of all places side by side, transposed: (n_el or 1, nodal, places * vectors)."""
         kinds, points, count, nodal = self.N.shape
         return np.swapaxes(self.N.reshape(kinds, points * count, nodal), -1, -2)
 
     @cached_property
     def _N_components(self) -> Floats:
-        """N (x) I, (n_el or 1, points, 3 vectors, 3 nodal)."""
+        """N (x) I, (n_el or 1, places, 3 vectors, 3 nodal)."""
         return np.asarray(np.kron(self.N, np.eye(3)), dtype=float)
 
     def _force_to_nodes(self, Q_v: Floats) -> Floats:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf import cable
 from ancf.errors import Message
 from ancf.materials import SaintVenantKirchhoff
 from ancf.newton import SMALLEST_SHARE, NewtonResult, Outcome
@@ -152,11 +153,17 @@ def is_collapsed(model: Model, q: Floats) -> bool:
 def smallest_determinant(model: Model, q: Floats) -> tuple[str, int, float]:
     """Rod, element and value of the smallest det F at the axial points; negative: inside out.
 
-    Over the whole section where the law needs it (rubber), else det [r_x r_y r_z] on the axis.
+    Over the whole section where the law needs it (rubber), else det [r_x r_y r_z] on the axis; of a cable its
+    stretch.
     """
     found = []
     for rod in model.rods:
         v, count = rod.generalised(q), len(rod.element.directors)
+        if not rod.element.has_section:
+            stretch = np.linalg.norm(v[:, :, 0], axis=-1)
+            worst = np.unravel_index(np.argmin(stretch), stretch.shape)
+            found.append((rod.rod.name, int(worst[0]), float(stretch[worst])))
+            continue
         linear = [count + k - 1 for k in (rod.element.y_director, rod.element.z_director)]
         determinant = np.linalg.det(v[:, :, [0, *linear]])
         smallest = rod.elastic.section.smallest_volume(v)
@@ -190,15 +197,20 @@ def largest_wave(model: Model, q: Floats) -> float:
     """
     worst = 0.0
     for rod in model.rods:
-        v = rod.generalised(q)
-        t = v[:, :, 0] / np.linalg.norm(v[:, :, 0], axis=-1, keepdims=True)
-        force = rod.elastic.vector_force(v)[:, :, 0] / rod.axial_weights[..., None]
-        pressed = np.max(-np.sum(force * t, axis=-1), axis=1).clip(min=0.0)
+        pressed = np.max(-_axial_forces(rod, q), axis=1).clip(min=0.0)
         first, kind = rod.element_kinds
         young = np.array([rod.material_of(index).young_modulus for index in first])
         second = np.array([rod.section_in(index, 0.0).weaker_second_moment for index in first])
         worst = max(worst, float(np.max(rod.mesh.h * np.sqrt(pressed / (young * second)[kind]))))
     return worst
+
+
+def _axial_forces(rod: RodModel, q: Floats) -> Floats:
+    """Section force along the axis (n_el, points) [N]."""
+    if not rod.element.has_section:
+        return cable.axial_forces(rod, q)
+    r_x = rod.generalised(q)[:, :, 0]
+    return np.sum(rod.section_force(q)[:, :, 0] * r_x, axis=-1) / np.linalg.norm(r_x, axis=-1)
 
 
 def element_turns(rod: RodModel, q: Floats) -> Floats:

@@ -14,6 +14,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.assumed_strain import sampling
+from ancf.cable import cable_section
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
 from ancf.hyperelastic import Law
@@ -90,6 +92,11 @@ class RodModel:
         if rule == "default":
             return self.element.axial_points
         return self.element.full_points if rule == "full" else int(rule)
+
+    @property
+    def assumes_strains(self) -> bool:
+        """Whether the axial rule is the element's own and takes strains elsewhere than at its points."""
+        return self.rod.axial_rule == "default" and bool(self.element.assumed)
 
     @cached_property
     def axial_weights(self) -> Floats:
@@ -183,11 +190,17 @@ class RodModel:
         """Constant data of the elastic kernel; equal elements share their data."""
         first, kind = self.element_kinds
         xi, _ = gauss(self.axial_points)
-        N = np.array([generalised_shape(self.element, xi, float(self.mesh.h[index])) for index in first])
+        places, assumed = sampling(self.element, self.axial_points) if self.assumes_strains else (xi, None)
+        N = np.array([generalised_shape(self.element, places, float(self.mesh.h[index])) for index in first])
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
-        v0 = [shape @ _relative(self.element, self.e0[index]) for shape, index in zip(N, first, strict=True)]
-        if all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
+        v0 = [
+            shape[: len(xi)] @ _relative(self.element, self.e0[index])
+            for shape, index in zip(N, first, strict=True)
+        ]
+        if not self.element.has_section:
+            section = cable_section(self)
+        elif all(isinstance(segment.material, SaintVenantKirchhoff) for segment in self.rod.parts):
             H = [
                 [self._stiffness(self._local(index, s), v) for s, v in zip(xi, points, strict=True)]
                 for index, points in zip(first, v0, strict=True)
@@ -196,7 +209,7 @@ class RodModel:
             section = QuadraticSection(_spread(weight * np.array(H), kind))
         else:
             section = QuadratureSection(self._groups(v0))
-        return ElasticRod(_spread(N, kind), section, self.e0, columns)
+        return ElasticRod(_spread(N, kind), section, self.e0, columns, assumed)
 
     @cached_property
     def pieces(self) -> list[tuple[slice, ElasticRod]]:
@@ -273,9 +286,10 @@ class RodModel:
         xi = float(np.clip(2.0 * (x - breaks[index]) / h - 1.0, -1.0, 1.0))
         N, N_x = _shapes(self.element, xi, float(h))
         d0 = N @ self.e0[index]
-        return SectionPoint(
-            self.dofs[index], N, N_x, d0, director_weights(self.element, self.rod.section_at(at), d0)
-        )
+        W = np.zeros_like(d0)  # without section vectors there is no rotation to weigh
+        if self.element.has_section:
+            W = director_weights(self.element, self.rod.section_at(at), d0)
+        return SectionPoint(self.dofs[index], N, N_x, d0, W)
 
     def node_at(self, at: float) -> int:
         """The node nearest to a fraction of the reference length."""
@@ -302,7 +316,16 @@ class RodModel:
 
     def generalised(self, q: Floats) -> Floats:
         """Generalised vectors v (..., n_el, points, generalised vectors, 3) at the axial points."""
-        return self.elastic.generalised(self.element_vectors(q))
+        return self.elastic.generalised(self.element_vectors(q))[..., : self.axial_points, :, :]
+
+    def strain_products(self, q: Floats) -> Floats:
+        """Strain products gamma (n_el, points, pairs) that the sections see at the axial points."""
+        return self.elastic.gamma(self.elastic.generalised(self.element_vectors(q)))
+
+    def section_force(self, q: Floats) -> Floats:
+        """Stress of the sections on v per length (n_el, points, generalised vectors, 3)."""
+        Q_v = self.elastic.section_force(self.elastic.generalised(self.element_vectors(q)))
+        return Q_v / self.axial_weights[..., None, None]
 
     @property
     def bending_stiffness(self) -> float:

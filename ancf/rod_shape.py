@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf import axis_frames
 from ancf.elements import R
 from ancf.rod_model import RodModel
 from ancf.rotation import exp, log, section_rotation
@@ -41,8 +42,13 @@ class LocalShape:
 
 
 def node_rotations(model: RodModel, q: Floats) -> Floats:
-    """Section rotations (n_nodes, 3, 3) relative to the reference at the nodes of q (n_nodes, vectors, 3)."""
+    """Section rotations (n_nodes, 3, 3) relative to the reference at the nodes of q (n_nodes, vectors, 3).
+
+    Of a cable those of its transported frames.
+    """
     element = model.element
+    if not element.has_section:
+        return axis_frames.node_rotations(model, q)
     columns = [element.vectors.index((0, j, k)) for j, k in element.directors]
     return section_rotation(q[:, columns], model.node_weights).R
 

@@ -93,7 +93,9 @@ def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
         if load.rod != name:
             continue
         node = rod.node_at(load.at)
-        arm = load.offset @ rod.q0[node, [vectors.index(R_Y), vectors.index(R_Z)]]
+        arm = np.zeros(3)
+        if np.any(load.offset):
+            arm = load.offset @ rod.q0[node, [vectors.index(R_Y), vectors.index(R_Z)]]
         if load.direction == "follower":
             turning_force[node] += load.value
             turning_moment[node] += np.cross(arm, load.value)

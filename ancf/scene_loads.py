@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
+from ancf.scene_cable import refuse_on_cable
 from ancf.scene_table import FRACTION, Limit, Table
 from ancf.units import (
     ACCELERATION,
@@ -36,6 +37,8 @@ def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
     """Read one `[[moment]]`."""
     table.expect_keys(("rod", "at", "value", "frame", "direction", "definition"))
     rod = _rod_of(table, rods)
+    why = "a moment turns a section, and a cable has none"
+    refuse_on_cable(table, rod, "rod", "A cable carries no [[moment]].", why)
     return Moment(
         rod=rod.name,
         at=table.number("at", NUMBER, 1.0, FRACTION),
@@ -52,6 +55,9 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
     rod = _rod_of(table, rods)
     at = table.number("at", NUMBER, 1.0, FRACTION)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
+    if any(offset):
+        why = "a lever arm needs a section that turns"
+        refuse_on_cable(table, rod, "offset", "A cable carries forces on its axis only.", why)
     section = rod.section_at(at)
     # The axis itself may be loaded in a hollow section too: a plug or a clamp carries it there.
     if any(offset) and not section.contains(*offset):
@@ -69,7 +75,7 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
         value=_value(table, rod, FORCE),
         frame=_frame(table),
         offset=offset,
-        direction=table.word("direction", DIRECTIONS, "fixed"),
+        direction=_direction(table, rod),
     )
 
 
@@ -81,7 +87,7 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
         rod=rod.name,
         value=_value(table, rod, FORCE_PER_LENGTH),
         frame=_frame(table),
-        direction=table.word("direction", DIRECTIONS, "fixed"),
+        direction=_direction(table, rod),
     )
 
 
@@ -150,6 +156,15 @@ def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
 
 def _frame(table: Table) -> str:
     return table.word("frame", ("structure", "body"), "structure")
+
+
+def _direction(table: Table, rod: Rod) -> str:
+    """Read the direction of a force; a follower turns with a section."""
+    direction = table.word("direction", DIRECTIONS, "fixed")
+    if direction == "follower":
+        why = "a follower turns with the section, and a cable has none"
+        refuse_on_cable(table, rod, "direction", "A cable carries no follower loads.", why)
+    return direction
 
 
 def _value(table: Table, rod: Rod, dimension: Dimension) -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ancf.elements import ELEMENTS
 from ancf.mesh import reference_axis
 from ancf.scene import SAME_PLACE, Frame, Rod, Support
+from ancf.scene_cable import check_cable
 from ancf.scene_materials import read_material
 from ancf.scene_sections import read_section
 from ancf.scene_segments import read_elements, read_segments
@@ -41,7 +42,6 @@ ROD_KEYS = (
 )
 # Whoever gives one of these has chosen the element; `accuracy` then chooses the mesh alone.
 ELEMENT_KEYS = ("element", "formulation", "axial_rule", "shear_factors")
-LATER_ELEMENTS = ("3343", "cable")
 SUPPORT_KINDS = ("clamp", "pin", "free_section_clamp")
 
 MOST_ELEMENTS = 1_000_000  # some 20 GB of tangent; beyond it a typing error is far more likely than a rod
@@ -69,7 +69,7 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         segments = read_segments(table, MOST_ELEMENTS, meshed)
     else:
         segments = (_whole(table, meshed),)
-    element = table.word("element", tuple(ELEMENTS), "3333", LATER_ELEMENTS)
+    element = table.word("element", tuple(ELEMENTS), "3333")
     formulation = _formulation(table, element)
     rod = Rod.of_segments(
         name,
@@ -83,6 +83,8 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         shear_factors=_shear_factors(table, element, formulation),
         any_element=not meshed and not any(key in table.data for key in ELEMENT_KEYS),
     )
+    if element == "cable":
+        check_cable(table, rod, name in joined)
     _check_slenderness(table, rod)
     _check_curvature(table, rod)
     if name not in joined:  # else the whole structure decides: scene_joints.py
@@ -114,7 +116,7 @@ def _name(table: Table, default: str) -> str:
 
 
 def _formulation(table: Table, element: str) -> str:
-    """Read the formulation; an element whose section is quadratic refuses ``enhanced``."""
+    """Read the formulation: ``enhanced`` mends linear sections only, and ``continuum`` asks for a section."""
     known = ELEMENTS[element].formulations
     formulation = table.word("formulation", ("enhanced", "continuum"), known[0])
     if formulation not in known:
@@ -122,7 +124,9 @@ def _formulation(table: Table, element: str) -> str:
             "formulation",
             f"Element {element} knows no {formulation} formulation.",
             f'formulation = "{formulation}" with element = "{element}"; it knows {", ".join(known)}',
-            "enhanced mends a linear section, and this section is quadratic: nothing is to be mended",
+            "enhanced mends a linear section, and this section is quadratic: nothing is to be mended"
+            if ELEMENTS[element].has_section
+            else "the continuum is that of a section, and a cable has none",
             f'remove the key, or write formulation = "{known[0]}"',
         )
     return formulation
@@ -283,14 +287,15 @@ def _check_rigid_motion(table: Table, rod: Rod) -> None:
     """Refuse supports that leave the rod free to move without straining.
 
     Either kind of clamp holds all six motions. Pins hold positions only: one pin leaves three rotations,
-    pins on one line leave the spin about it, three pins off one line hold the rod.
+    pins on one line leave the spin about it, which is no motion of a straight cable; three pins off one line
+    hold the rod.
     """
     if any(support.kind != "pin" for support in rod.supports):
         return
     at = np.array([support.at for support in rod.supports])
     position, _ = reference_axis(at * rod.length, rod.curvature)
     spread = np.linalg.svd((position - position.mean(axis=0)) / rod.length, compute_uv=False)
-    if len(at) >= 3 and spread[1] > LEAST_ANGLE:
+    if (len(at) >= 3 and spread[1] > LEAST_ANGLE) or (len(at) >= 2 and rod.element == "cable"):
         return
     free = (
         "one pin leaves all three rotations about it free"

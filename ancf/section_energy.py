@@ -18,7 +18,8 @@ What is integrated where, so that nothing locks:
 * quadratic sections (3363): everything but the volume part over the section, the volume part on the affine
   part of tr E or J (`affine_functions`), which is all that quadratic sections can follow: pressure is affine;
 * linear sections, ``enhanced``: a law without lateral contraction over the section, on the axis the rest
-  (`SaintVenantKirchhoff.enhanced`, `enhanced_potentials`);
+  (`SaintVenantKirchhoff.enhanced`, `enhanced_potentials`); with r_yz (3343) the rest sees the mean strain of
+  the section, so that constant strain causes the right forces on r_yz where int y z dA is not zero;
 * linear sections, ``continuum``: the law over the section (paper eq. 16-17); locks with Poisson's ratio.
 
 Symbols
@@ -80,8 +81,8 @@ def gradient_weights(element: Element, y: Floats, z: Floats) -> Floats:
 
 def generalised_shape(element: Element, xi: Floats, h: float) -> Floats:
     """Map (n, generalised vectors, nodal vectors of the element) from nodal vectors to v at xi (n,)."""
-    value, slope = element.shape(xi, h), element.shape(xi, h, derivative=1)
-    return np.concatenate([slope, value[:, 1:]], axis=1)
+    N = {order: element.shape(xi, h, derivative=order) for order in {i for i, _, _ in element.generalised}}
+    return np.stack([N[i][:, element.directors.index((j, k))] for i, j, k in element.generalised], axis=1)
 
 
 def section_frame(element: Element, v0: Floats) -> Floats:
@@ -182,11 +183,11 @@ def _stiffness(
         H = _integrate(element, v0, rule, shape) + _integrate_trace(element, v0, rule, material.lame_lambda)
         return 0.5 * (H + H.T)
     if formulation == "continuum":
-        parts = [(material.hooke(), rule)]
+        H = _integrate(element, v0, rule, material.hooke())
     else:
         volume, axis = material.enhanced(shear_factors)
-        parts = [(volume, rule), (axis, _axis_rule(section))]
-    H = sum((_integrate(element, v0, points, D) for D, points in parts), np.zeros(()))
+        _, B, weight = axis_part(element, section, v0, rule)
+        H = _integrate(element, v0, rule, volume) + weight[0] * B[0].T @ axis @ B[0]
     return 0.5 * (H + H.T)
 
 
@@ -201,17 +202,31 @@ def section_terms(element: Element, rod: Rod, v0: Floats) -> tuple[Term | Projec
         B, affine = strain_matrix(weights_local), affine_functions(y, z, weight)
         law = rod.material
         return (ProjectedTerm(law.shape, law.volume, weights_local, B, weight, affine),)
+    y, z, weight = rule
+    J_l, weights_local = local_gradient(element, v0, y, z)
+    everywhere = (weights_local, strain_matrix(weights_local), weight * np.linalg.det(J_l))
     if rod.formulation == "continuum":
-        parts = [(full_potential(rod.material), rule)]
-    else:
-        section, axis = enhanced_potentials(rod.material, rod.shear_factors)
-        parts = [(section, rule), (axis, _axis_rule(rod.section))]
-    terms = []
-    for potential, (y, z, weight) in parts:
-        J_l, weights_local = local_gradient(element, v0, y, z)
-        B = strain_matrix(weights_local)
-        terms.append(Term(potential, weights_local, B, weight * np.linalg.det(J_l)))
-    return tuple(terms)
+        return (Term(full_potential(rod.material), *everywhere),)
+    section, axis = enhanced_potentials(rod.material, rod.shear_factors)
+    return Term(section, *everywhere), Term(axis, *axis_part(element, rod.section, v0, rule))
+
+
+def axis_part(element: Element, section: Section, v0: Floats, rule: Rule) -> tuple[Floats, Floats, Floats]:
+    """What the part of ``enhanced`` that belongs to the axis sees: the strain there, or the section's mean.
+
+    Returns
+    -------
+    a J_l^-1 on the axis (1, vectors, 3), B (1, 6, pairs) and weight (1,) [m2].
+    """
+    centre = np.zeros(1)
+    J_l, on_axis = local_gradient(element, v0, centre, centre)
+    if element.linear_section:
+        return on_axis, strain_matrix(on_axis), section.area * np.linalg.det(J_l)
+    y, z, weight = rule
+    J_l, weights_local = local_gradient(element, v0, y, z)
+    weight = weight * np.linalg.det(J_l)
+    mean = np.tensordot(weight / weight.sum(), strain_matrix(weights_local), axes=1)
+    return on_axis, mean[None], np.array([weight.sum()])
 
 
 def affine_functions(y: Floats, z: Floats, weight: Floats) -> Floats:
@@ -229,10 +244,6 @@ def _integrate_trace(element: Element, v0: Floats, rule: Rule, modulus: float) -
     trace = strain_matrix(weights_local)[:, :3].sum(axis=1)
     coefficients = (weight[:, None] * affine_functions(y, z, weight)).T @ trace
     return modulus * coefficients.T @ coefficients
-
-
-def _axis_rule(section: Section) -> Rule:
-    return np.zeros(1), np.zeros(1), np.array([section.area])
 
 
 def _integrate(element: Element, v0: Floats, rule: Rule, D: Floats) -> Floats:
@@ -260,11 +271,11 @@ def director_weights(element: Element, section: Section | Sequence[Section], d0:
 def force_weights(element: Element, section: Section, y: float, z: float) -> Floats:
     """Weights (directors,) of a unit force at the point (y, z) on the directors of its section.
 
-    Linear sections: the monomials phi_k(y, z). Quadratic sections would bulge under a force on one point, as
-    a solid does without bound; there the force is spread as the affine traction t with the same resultant and
-    moment (Saint-Venant), int phi_k t dA, which equals phi_k(y, z) for the linear monomials.
+    Linear sections: the monomials phi_k(y, z). Others would bulge under a force on one point, as a solid does
+    without bound; there the force is spread as the affine traction t with the same resultant and moment
+    (Saint-Venant), int phi_k t dA, which equals phi_k(y, z) for the linear monomials.
     """
-    if not element.quadratic_section:
+    if element.linear_section:
         return element.section_monomials(np.array([y]), np.array([z]))[0][0]
     points_y, points_z, weight = section.quadrature(element.section_degree)
     # The point is carried along with weight 0, so that the affine functions are known on it as well.

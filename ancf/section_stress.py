@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.cable import fibre_gradient, fibre_strain
 from ancf.cauchy_green import CauchyGreen
 from ancf.errors import InputError, Message
 from ancf.hyperelastic import enhanced_potentials, full_potential
@@ -33,7 +34,9 @@ _IDENTITY = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 def section_strain(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0) -> Floats:
     """E_gl (m, n, 6) of a rod at the model's coordinates q, shear doubled (materials.py)."""
-    gamma = rod.elastic.gamma(rod.generalised(q))[rod.elements_of(part)]
+    if not rod.element.has_section:
+        return fibre_strain(rod, q, y, z, part)
+    gamma = rod.strain_products(q)[rod.elements_of(part)]
     strain = np.empty((*gamma.shape[:2], np.shape(y)[-1], 6))
     for kind, point, _, weights in _references(rod, y, z, part):
         strain[kind, point] = np.einsum("nap,ep->ena", strain_matrix(weights), gamma[kind, point])
@@ -42,6 +45,8 @@ def section_strain(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0
 
 def deformation_gradient(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0) -> Floats:
     """F = sum_i v_i (a_i J_l^-1)^T, (m, n, 3, 3)."""
+    if not rod.element.has_section:
+        return fibre_gradient(rod, q, y, z, part)
     v = rod.generalised(q)[rod.elements_of(part)]
     F = np.empty((*v.shape[:2], np.shape(y)[-1], 3, 3))
     for kind, point, _, weights in _references(rod, y, z, part):
@@ -56,21 +61,41 @@ def second_stress(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0)
     enhanced   S = dPsi_0/dE at the point + d(Psi - Psi_0)/dE on the axis: the energy, too, has there alone
                what Poisson's ratio adds
     3363       S = dPsi_shape/dE at the point + the volume part with the affine pressure that the energy knows
+    cable      S_xx = E_young E_xx, nothing else
     """
     strain = section_strain(rod, q, y, z, part)
     material = rod.rod.parts[part].material
+    if not rod.element.has_section:
+        return material.young_modulus * strain
     if rod.element.quadratic_section:
         return _with_affine_pressure(rod, q, strain, y, z, part)
     if rod.rod.formulation == "continuum":
         svk = isinstance(material, SaintVenantKirchhoff)
         return strain @ material.hooke() if svk else full_potential(material).stress(strain)
-    centre = np.zeros(1)
-    axis = section_strain(rod, q, centre, centre, part)
+    axis = _axis_strain(rod, q, part)
     if isinstance(material, SaintVenantKirchhoff):
         D_0, D_v = material.enhanced(rod.rod.shear_factors)
         return strain @ D_0 + axis @ D_v
     section, on_axis = enhanced_potentials(material, rod.rod.shear_factors)
     return section.stress(strain) + on_axis.stress(axis)
+
+
+def _axis_strain(rod: RodModel, q: Floats, part: int) -> Floats:
+    """The strain (m, 1, 6) that ``enhanced`` has on the axis: section_energy.axis_part."""
+    if rod.element.linear_section:
+        centre = np.zeros(1)
+        return section_strain(rod, q, centre, centre, part)
+    y, z, area = _section_rules(rod, part)
+    weight = area * _volumes(rod, y, z, part)
+    strain = section_strain(rod, q, y, z, part)
+    return np.einsum("mn,mna->ma", weight / weight.sum(axis=1, keepdims=True), strain)[:, None]
+
+
+def _section_rules(rod: RodModel, part: int) -> Floats:
+    """Points y, z and weights (3, m, n) of the section rule at the axial points of a part."""
+    material = rod.rod.parts[part].material
+    degree = quadrature_degree(rod.element, rod.rod.prismatic(rod.rod.section, material))
+    return np.moveaxis(np.array([section.quadrature(degree) for section in part_sections(rod, part)]), 1, 0)
 
 
 def _with_affine_pressure(
@@ -82,9 +107,7 @@ def _with_affine_pressure(
     functions of (y, z) over the section: nothing else carries the section's force and moment.
     """
     material = rod.rod.parts[part].material
-    degree = quadrature_degree(rod.element, rod.rod.prismatic(rod.rod.section, material))
-    rules = [section.quadrature(degree) for section in part_sections(rod, part)]
-    y_r, z_r, area = np.moveaxis(np.array(rules), 1, 0)  # (m, n_r)
+    y_r, z_r, area = _section_rules(rod, part)  # (m, n_r)
     at_rule = section_strain(rod, q, y_r, z_r, part)
     functions = np.stack([np.ones_like(y_r), y_r, z_r], axis=-1)  # (m, n_r, 3)
     weighted = (area * _volumes(rod, y_r, z_r, part))[..., None] * functions

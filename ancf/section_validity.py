@@ -109,15 +109,16 @@ def _section(rod: RodModel, strains: list[Floats]) -> Iterator[str]:
 def _torsion(rod: RodModel, places: _Places) -> Iterator[str]:
     """Torsion stiffness: exact where the element's sections can take the warping of the section."""
     # Saint-Venant warping is nothing on discs and rings, and y z on an ellipse.
-    exact = (Circle, Annulus, Ellipse) if rod.element.quadratic_section else (Circle, Annulus)
+    exact = (Circle, Annulus, Ellipse) if rod.element.warps else (Circle, Annulus)
     wrong = [not isinstance(section, exact) for section in places.sections]
     total = float(np.sum(places.moment**2))
     share = float(np.sum(places.moment[wrong, 0] ** 2)) / total if total > 0.0 else 0.0
     if share <= TORSION_SHARE:
         return
-    if rod.element.quadratic_section:
+    if rod.element.warps:
+        powers = "y z, y^2 and z^2" if rod.element.quadratic_section else "y z"
         limit = (
-            f"sections of {rod.element.name} warp by y z, y^2 and z^2 only: torsion stiffness is too high, "
+            f"sections of {rod.element.name} warp by {powers} only: torsion stiffness is too high, "
             "on rectangles by up to 19 %, and more on thin or angular sections"
         )
     else:

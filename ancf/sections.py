@@ -50,9 +50,14 @@ class Section(ABC):
         return np.array([[self.moment(2, 0), self.moment(1, 1)], [self.moment(1, 1), self.moment(0, 2)]])
 
     @cached_property
+    def principal_second_moments(self) -> Floats:
+        """Principal second moments (2,) [m4], the smaller first."""
+        return np.asarray(np.linalg.eigvalsh(self.second_moments), dtype=float)
+
+    @cached_property
     def weaker_second_moment(self) -> float:
         """Smaller principal second moment [m4]."""
-        return float(np.linalg.eigvalsh(self.second_moments)[0])
+        return float(self.principal_second_moments[0])
 
     @cached_property
     def radius_of_gyration(self) -> float:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ancf import cable
+from ancf.axis_frames import rotation_at
 from ancf.errors import Message
 from ancf.mesh import reference_axis
 from ancf.quadrature import gauss
@@ -59,7 +61,7 @@ class SectionForces:
     """Section force n [N] and moment m [N m] in SCS at the axial integration points.
 
     n = dU/dr_x and m = sum_k d_k x dU/dd_k' per reference length: the resultants of the first Piola-Kirchhoff
-    stress on the section, the moment about its point on the axis.
+    stress on the section, the moment about its point on the axis. Of a cable: cable.py.
     """
 
     x: Floats  # (m,) reference arc length [m]
@@ -139,11 +141,18 @@ class Solution:
         raise KeyError(f"the scene has no rod named {name!r}; it has {[r.rod.name for r in self.model.rods]}")
 
     def pose(self, name: str | None, at: float) -> Pose:
-        """Pose of the section at a fraction of the reference length; the first rod if `name` is None."""
+        """Pose of the section at a fraction of the reference length; the first rod if `name` is None.
+
+        A cable has no section: r_y, r_z and rotation are those of the transported frame (axis_frames.py).
+        """
         rod = self._rod(name)
         point = rod.section_point(at)
         e = self.q[point.dofs].reshape(-1, 3)
         d = point.N @ e
+        if not rod.element.has_section:
+            rotation = rotation_at(rod, rod.nodal(self.q), at)
+            _, y_axis, z_axis = (rotation @ rod.rod.base.rotation).T
+            return Pose(d[0] + rod.rod.base.position, point.N_x[0] @ e, y_axis, z_axis, rotation)
         y, z = rod.element.y_director, rod.element.z_director
         rotation = section_rotation(d, point.W).R
         return Pose(d[0] + rod.rod.base.position, point.N_x[0] @ e, d[y], d[z], rotation)
@@ -201,9 +210,13 @@ class Solution:
     def section_forces(self, name: str | None = None) -> SectionForces:
         """Section force and moment along the rod."""
         rod = self._rod(name)
+        if not rod.element.has_section:
+            force = cable.forces(self.model, rod, self.q, self.load_factor).reshape(-1, 3)
+            x = rod.axial_abscissae.ravel()
+            return SectionForces(x, x / rod.rod.length, force, cable.moments(rod, self.q).reshape(-1, 3))
         v = rod.generalised(self.q)
         count = len(rod.element.directors)
-        Q_v = rod.elastic.vector_force(v) / rod.axial_weights[..., None, None]
+        Q_v = rod.section_force(self.q)
         # d_k x dU/dd_k'; the axis itself (k = 0) carries force, not moment.
         moment = np.cross(v[:, :, count:], Q_v[:, :, 1:count]).sum(axis=2)
         x = rod.axial_abscissae.ravel()
@@ -212,6 +225,8 @@ class Solution:
     def section_axes(self, name: str | None = None) -> Floats:
         """Axes (m, 3, 3) of the turned sections at the axial integration points, columns x, y, z in SCS."""
         rod = self._rod(name)
+        if not rod.element.has_section:
+            return cable.section_axes(rod, self.q).reshape(-1, 3, 3)
         xi, _ = gauss(rod.axial_points)
         first, kind = rod.element_kinds
         N = np.array([rod.element.shape(xi, float(rod.mesh.h[index])) for index in first])[kind]
@@ -339,6 +354,11 @@ def _material_points(rod: RodModel, nodal: Floats, at: ArrayLike, y: ArrayLike, 
         here = at == fraction
         point = rod.section_point(float(fraction))
         first = point.dofs - rod.first_dof
+        if not rod.element.has_section:
+            axes = rotation_at(rod, nodal, float(fraction)) @ rod.rod.base.rotation
+            axis = (point.N @ nodal.ravel()[first].reshape(-1, 3))[0]
+            points[here] = axis + y[here, None] * axes[:, 1] + z[here, None] * axes[:, 2]
+            continue
         phi, _, _ = rod.element.section_monomials(y[here], z[here])
         points[here] = phi @ (point.N @ nodal.ravel()[first].reshape(-1, 3))
     return points + rod.rod.base.position

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import R_Y, R_Z, Element, R
+from ancf.elements import R_X, R_Y, R_Z, Element, R
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,8 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
     ----------
     kind : ``clamp`` fixes every nodal vector; ``pin`` fixes r; ``free_section_clamp`` fixes r, the plane of
         the section (r_y . x = r_z . x = 0, likewise the higher section vectors) and its orientation
-        (r_y . z = r_z . y), and leaves it free to contract
+        (r_y . z = r_z . y), and leaves it free to contract; of a cable r and the direction of r_x, so that it
+        stretches at the clamp as it does beside it
     frame : section frame (3, 3) of the reference at the support, columns x, y, z in SCS
     """
     count = len(element.vectors)
@@ -69,6 +70,8 @@ def support_rows(kind: str, element: Element, frame: Floats) -> Floats:
         return np.array(position)
     if kind == "free_section_clamp":
         x, y, z = frame.T
+        if not element.has_section:
+            return np.array([*position, row((R_X, y)), row((R_X, z))])
         higher = [row((order, x)) for order in element.vectors if order[0] == 0 and sum(order) > 1]
         return np.array([*position, row((R_Y, x)), row((R_Z, x)), row((R_Y, z), (R_Z, -y)), *higher])
     raise ValueError(f"unknown support kind {kind!r}")

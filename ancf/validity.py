@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf import cable
 from ancf.failure import LARGEST_TURN, element_turns
 from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.scene_rods import LARGEST_FLOOR
 from ancf.section_stress import part_skin, section_strain, tensor
 from ancf.section_validity import section_warnings
+from ancf.sections import Section
 from ancf.segments import STEEP
 
 if TYPE_CHECKING:
@@ -38,6 +40,9 @@ VOLUME_LIMIT = 0.2
 LOCKING_SLENDERNESS = 25.0
 # Elements with r_x at their nodes keep the axial strain continuous: worth a sentence from this jump on.
 STIFFNESS_JUMP = 1.01
+# Share of its own stretch that an element of a cable loses where r_x is held (measured, 1 and 5 %).
+HELD_STRETCH = 0.12
+LARGEST_HELD = 5e-4
 OUTLINE_POINTS = 16
 
 
@@ -69,6 +74,7 @@ def validity_warnings(solution: Solution) -> list[str]:
         texts = [
             # An estimate that is small enough knows better.
             *(() if solution.accuracy is not None and solution.accuracy.met else _turns(solution, rod)),
+            *_held_stretch(solution, rod),
             *_law(rod, strains),
             *section_warnings(solution, rod, strains),
         ]
@@ -87,12 +93,17 @@ def _strain(solution: Solution, rod: RodModel, part: int) -> Floats:
 def _discretisation(rod: RodModel) -> Iterator[str]:
     """Limits of formulation and axial rule."""
     spec, element = rod.rod, rod.element
-    factors = {poisson_locking(part.material.poisson_ratio): part.material for part in spec.parts}
+    factors = {
+        poisson_locking(part.material.poisson_ratio, section if element.warps else None): part.material
+        for part in spec.parts
+        for section in (part.section, part.last_section)
+    }
     factor = max(factors, key=lambda value: abs(np.log(value)))
     nu = factors[factor].poisson_ratio
     if spec.formulation == "continuum" and not element.quadratic_section and nu != 0.0:
+        section = "a section that moves in its plane by y z only" if element.warps else "a linear section"
         yield (
-            f'known limit: formulation "continuum" with a linear section bends as if E I were {factor:.4g} '
+            f'known limit: formulation "continuum" with {section} bends as if E I were {factor:.4g} '
             f"times its value at nu = {nu:.4g} (Poisson locking, at every mesh and for every law); "
             'use "enhanced"'
         )
@@ -106,11 +117,13 @@ def _discretisation(rod: RodModel) -> Iterator[str]:
         for part in spec.parts
         for section in (part.section, part.last_section)
     )
-    if rod.axial_points >= element.locks_from and slenderness > LOCKING_SLENDERNESS:
+    locks = rod.axial_points >= element.locks_from and not rod.assumes_strains
+    if locks and slenderness > LOCKING_SLENDERNESS:
+        advice = "use 3333 with its default rule" if element.has_section else "use the default rule"
         yield (
             f"{element.name} with {rod.axial_points} axial points locks in bending: element length "
-            f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); use 3333 with its "
-            "default rule, or more elements"
+            f"/ radius of gyration = {slenderness:.0f} (above {LOCKING_SLENDERNESS:.0f}); {advice}, "
+            "or more elements"
         )
     yield from _profile(rod)
 
@@ -137,9 +150,39 @@ def _profile(rod: RodModel) -> Iterator[str]:
         )
 
 
-def poisson_locking(nu: float) -> float:
-    """Bending stiffness over E I of a linear section under the full law (shared/theory.md, section 3)."""
-    return (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+def poisson_locking(nu: float, section: Section | None = None) -> float:
+    """Bending stiffness over E I of a linear section under the full law (shared/theory.md, section 3).
+
+    With a `section` that has r_yz: strain -k y along the axis comes with w = c y z, hence c y along z and the
+    shear c z, of energy 1/2 int [(lambda + 2 mu)(k^2 + c^2) y^2 - 2 lambda k c y^2 + mu c^2 z^2] dA, least at
+    c = lambda k/(lambda + 2 mu + mu int z^2/int y^2); about the axis where it helps less.
+    """
+    locked = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    if section is None:
+        return locked
+    law = SaintVenantKirchhoff(1.0, nu)
+    flat = section.principal_second_moments
+    softened = law.lame_lambda + law.lame_mu * (2.0 + flat[1] / flat[0])
+    return locked - law.lame_lambda**2 / softened
+
+
+def _held_stretch(solution: Solution, rod: RodModel) -> Iterator[str]:
+    """A clamp of a cable holds r_x, and its stretch with it."""
+    if rod.element.has_section:
+        return
+    strain = np.abs(cable.axial_strain(rod, solution.q)).max(axis=1)
+    for support in rod.rod.supports:
+        if support.kind != "clamp":
+            continue
+        node = rod.node_at(support.at)
+        beside = [index for index in (node - 1, node) if 0 <= index < len(strain)]
+        lost = HELD_STRETCH * sum(strain[index] * rod.mesh.h[index] for index in beside) / rod.rod.length
+        if lost > LARGEST_HELD:
+            yield (
+                f"the clamp at {support.at:g} holds r_x of the cable, which cannot stretch there: {lost:.1e} "
+                f'of the length is lost (above {LARGEST_HELD:g}); use "free_section_clamp", which holds the '
+                "direction of r_x only"
+            )
 
 
 def _turns(solution: Solution, rod: RodModel) -> Iterator[str]:

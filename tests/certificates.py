@@ -17,6 +17,7 @@ from validation.expected import expected_checks
 from validation.hard_cases import HardResult, hard_cases
 from validation.hard_limits import hard_limits
 from validation.locking import LockingPoint, SlendernessRow
+from validation.locking_remedies import Remedy
 from validation.outcome import Outcome
 from validation.problems import CaseResult
 from validation.properties import PROPERTIES
@@ -68,6 +69,7 @@ def passing_run(roots):
         run.hard_cases.append(HardResult(case, Verdict.PASS, case.expected[0], "", findings=held))
     run.locking.append(LockingPoint("3333", "enhanced", 0.3, 1.0, 1.0))
     run.slenderness.append(SlendernessRow(20, 1, [0.1], [0.1]))
+    run.remedies.append(Remedy("3343", "2 points", True, 0, [1e-6] * 4, [1e-6] * 3))
     point = CostPoint("3333", "beam", "enhanced", 8, "8", "analytic", "auto", "converged", error=1e-4)
     run.work.append(FamilyCost("pure bending", "", "", "", "", 1e-9, [], None, [point]))
     run.tangents.append(TangentRatio("3333", 12, 1.0, 20.0, 100.0, 1.0, 5.0))

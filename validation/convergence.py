@@ -145,6 +145,8 @@ def curved(element: str, elements: int) -> float:
 _3333 = "quadratic axis and sections, two Gauss points: fourth order at the nodes"
 _3243 = "linear section vectors: second order; faster before, while locking (fourth order) still dominates"
 _CUBIC = "cubic axis: fourth order, more at the end node"
+_3343 = "as 3333, with the strains of its sections from the nodes"
+_CABLE = "cubic axis, stretch at nodes and middle, curvature at two Gauss points"
 _OWN = f"{FINE} elements of the same kind"
 
 
@@ -160,6 +162,12 @@ def studies(full: bool = False) -> list[Study]:
         Study("tip force", "3243", tip_force, 2, _3243, _OWN, usual, 1e-3),
         Study("torsion", "3333", torsion, 4, _3333, _OWN, short, 5e-7),
         Study("torsion", "3243", torsion, 2, _3243, _OWN, usual, 3e-3),
+        Study("bending", "3343", bending, 4, _3343, bent, short, 2e-7),
+        Study("tip force", "3343", tip_force, 4, _3343, _OWN, usual, 1e-6),
+        Study("torsion", "3343", torsion, 4, _3343, _OWN, short, 5e-7),
+        Study("curved reference", "3343", curved, 4, _3343, _OWN, usual, 1e-6),
+        Study("tip force", "cable", tip_force, 4, _CABLE, _OWN, usual, 1e-6),
+        Study("stretch", "cable", stretch, 4, _CABLE, line, (2, 4, 8, 16), 2e-8),
         Study("stretch", "3333", stretch, 4, _3333, line, (2, 4, 8, 16), 1e-8),
         Study("stretch", "3243", stretch, 4, _CUBIC, line, (1, 2, 4, 8), 1e-9),
         Study("curved reference", "3333", curved, 4, _3333, _OWN, usual, 1e-6),

@@ -43,7 +43,8 @@ def integrated_energy(model: RodModel, q: Floats) -> float:
     Quadratic sections: the shape part over the section, the volume part of the affine part of its measure.
     Linear sections, ``continuum``: everything over the section; ``enhanced``: Psi_0 of
     `unconstrained_density` over the section, Psi - Psi_0 (shear factors 1) on the axis times
-    the area.
+    the area; of an element with r_yz at the section's mean of C. Strains of the section that an element takes
+    from its nodes are taken from there in the metric.
     """
     total = 0.0
     for e, e0, h in zip(per_element(model, q), model.e0, model.mesh.h, strict=True):
@@ -61,7 +62,10 @@ def _section_energy(model: RodModel, e: Floats, e0: Floats, xi: float, h: float)
         """Local F (n, 3, 3), seen along the axes of the reference section, and det J_0 (n,)."""
         _, J = frame_and_gradients(model, e, xi, h, y, z)
         R0, J0 = frame_and_gradients(model, e0, xi, h, y, z)
-        return J @ np.linalg.inv(J0) @ R0, np.linalg.det(J0)
+        to_local = np.linalg.inv(J0) @ R0
+        if rod.axial_rule == "default" and model.element.assumed:
+            J = _sampled_at_nodes(model, e, e0, J, J0, xi, h, y, z)
+        return J @ to_local, np.linalg.det(J0)
 
     y, z, area = rod.section.quadrature(CHECK_DEGREE)
     F, volume = state(y, z)
@@ -70,10 +74,42 @@ def _section_energy(model: RodModel, e: Floats, e0: Floats, xi: float, h: float)
         return float(np.sum(area * volume * (law.shape.energy(F) + law.volume_energy(theta)[0])))
     if rod.formulation == "continuum":
         return float(np.sum(area * volume * law.energy(F)))
-    centre, volume_c = state(np.zeros(1), np.zeros(1))
     bending = float(np.sum(area * volume * unconstrained_density(rod.material, F, rod.shear_factors)))
+    centre, volume_c = state(np.zeros(1), np.zeros(1))
+    on_axis = rod.section.area * float(volume_c[0])
+    if not model.element.linear_section:  # the mean of C = F^T F over the section
+        on_axis = float(np.sum(area * volume))
+        C = np.einsum("n,nki,nkj->ij", area * volume / on_axis, F, F)
+        centre = np.linalg.cholesky(C).T[None]
     axis = float(law.energy(centre)[0] - unconstrained_density(rod.material, centre)[0])
-    return bending + rod.section.area * float(volume_c[0]) * axis
+    return bending + on_axis * axis
+
+
+def _sampled_at_nodes(
+    model: RodModel, e: Floats, e0: Floats, J: Floats, J0: Floats, xi: float, h: float, y: Floats, z: Floats
+) -> Floats:
+    """Any J (n, 3, 3) with the metric J^T J of an element whose strains of the section come from its nodes.
+
+    The change of the metric by y and z, (J^T J - J0^T J0)_ab with a, b in {y, z}, is interpolated by the
+    polynomial through its values at the nodes; an orthogonal factor before J changes no law.
+    """
+    assert model.element.assumed == (("section", model.element.node_xi),)
+    nodes = np.array(model.element.node_xi)
+
+    def change(J: Floats, J0: Floats) -> Floats:
+        return np.swapaxes(J, -1, -2) @ J - np.swapaxes(J0, -1, -2) @ J0
+
+    at_nodes = np.array(
+        [
+            change(*(frame_and_gradients(model, x, xi_n, h, y, z)[1] for x in (e, e0)))[:, 1:, 1:]
+            for xi_n in nodes
+        ]
+    )
+    coefficients = np.polyfit(nodes, at_nodes.reshape(len(nodes), -1), len(nodes) - 1)
+    section = np.array([np.polyval(column, xi) for column in coefficients.T]).reshape(at_nodes.shape[1:])
+    metric = np.swapaxes(J, -1, -2) @ J
+    metric[:, 1:, 1:] = (np.swapaxes(J0, -1, -2) @ J0)[:, 1:, 1:] + section
+    return np.asarray(np.swapaxes(np.linalg.cholesky(metric), -1, -2), dtype=float)
 
 
 def affine_part(values: Floats, y: Floats, z: Floats, weight: Floats) -> Floats:

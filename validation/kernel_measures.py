@@ -70,13 +70,15 @@ def moved(model: RodModel, rotation: Floats, translation: Floats) -> Floats:
 
 def largest_kernel_strain(model: RodModel, q: Floats) -> float:
     """Largest Green-Lagrange strain that the kernel sees, over the outline of the sections at its axial
-    points.
+    points; of a cable that of the axis.
     """
     outline = model.rod.section.outline(16)
     gamma = model.elastic.gamma(model.elastic.generalised(per_element(model, q)))
+    if not model.element.has_section:
+        return float(np.max(np.abs(gamma[..., 0]))) / 2.0
     worst = 0.0
     for element, points in enumerate(model.elastic.v0):
-        for point, v0 in enumerate(points):
+        for point, v0 in enumerate(points[: model.axial_points]):
             _, weights = local_gradient(model.element, v0, outline[:, 0], outline[:, 1])
             strain = strain_matrix(weights) @ gamma[element, point]
             worst = largest(worst, float(np.max(np.abs(strain))))

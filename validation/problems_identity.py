@@ -45,7 +45,7 @@ def _strain(rod: RodModel, q: Floats) -> Floats:
     v = rod.elastic.generalised(q[rod.dofs].reshape(len(rod.dofs), -1, 3))
     found = []
     for element in range(v.shape[0]):
-        for point in range(v.shape[1]):
+        for point in range(rod.axial_points):
             _, weights = local_gradient(
                 rod.element, rod.elastic.v0[element, point], outline[:, 0], outline[:, 1]
             )

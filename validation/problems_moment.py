@@ -112,6 +112,8 @@ def torsion_stiffness(case: Case) -> Outcome:
     shape = case.rod["section"]
     if shape["shape"] == "circle":
         exact = analytic.torsion_constant_circle(shape["radius"])
+    elif shape["shape"] == "ellipse":
+        exact = analytic.torsion_constant_ellipse(shape["semi_axis_y"], shape["semi_axis_z"])
     else:
         exact = analytic.torsion_constant_rectangle(shape["height_y"], shape["width_z"])
     material = case.rod["material"]

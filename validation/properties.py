@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from validation import energy_measures as energy
 from validation import kernel_measures as kernel
 from validation import property_examples as example
@@ -27,7 +27,8 @@ class Property:
     name: identifier; title: the statement; bound and unit of the observed value; source: where the statement
     and the bound come from; solves: whether an example solves scenes (tens of milliseconds instead of a few);
     elements: names of the elements it is promised for, empty for all; cost: by how much an example is dearer
-    than others of its kind, and its number smaller.
+    than others of its kind, and its number smaller; of_sections: whether it speaks of sections, moments,
+    followers or twist, which a cable has not.
     """
 
     name: str
@@ -39,11 +40,12 @@ class Property:
     solves: bool = False
     elements: tuple[str, ...] = ()
     cost: int = 1
+    of_sections: bool = False
 
     @property
     def element_names(self) -> tuple[str, ...]:
         """Elements it is promised for."""
-        return self.elements or tuple(ELEMENTS)
+        return self.elements or tuple(SECTION_ELEMENTS if self.of_sections else ELEMENTS)
 
     def run(self, rng: np.random.Generator) -> float:
         """Observed value of one random example; infinite where a scene that has a solution was not solved."""
@@ -70,6 +72,7 @@ PROPERTIES: tuple[Property, ...] = (
         "-",
         "benchmarks.md RM; paper eq. 11-13",
         example.rigid(kernel.largest_gradient_strain),
+        of_sections=True,
     ),
     Property(
         "rigid-force",
@@ -110,6 +113,7 @@ PROPERTIES: tuple[Property, ...] = (
         "1e-10, for rubber 1e-6",
         "theory.md 3, 5; degree 8 leaves 2e-8 of rubber (no polynomial) at strains of 0.3",
         example.energy,
+        of_sections=True,
     ),
     Property(
         "elastic-order",
@@ -150,6 +154,7 @@ PROPERTIES: tuple[Property, ...] = (
         "relative",
         "benchmarks.md PT; integration by parts of constant P = dPsi/dF",
         example.patch(energy.patch_force),
+        of_sections=True,
     ),
     Property(
         "patch-stress",
@@ -158,6 +163,7 @@ PROPERTIES: tuple[Property, ...] = (
         "relative",
         "the same law in F, P F^T / det F (reference/solid_materials.py)",
         example.patch(energy.patch_stress),
+        of_sections=True,
     ),
     Property(
         "zero-modes",
@@ -166,6 +172,7 @@ PROPERTIES: tuple[Property, ...] = (
         "modes",
         "issue 2, NUMBERS",
         example.zero_modes(bent=False),
+        of_sections=True,
     ),
     Property(
         "zero-modes-bent",
@@ -174,6 +181,7 @@ PROPERTIES: tuple[Property, ...] = (
         "modes",
         "issue 2, NUMBERS; D of the unstressed law, because that of strained rubber is indefinite",
         example.zero_modes(bent=True),
+        of_sections=True,
     ),
     Property(
         "moment",
@@ -182,6 +190,7 @@ PROPERTIES: tuple[Property, ...] = (
         "relative",
         "theory.md 4; the resultant is exact to rounding, the spin is differenced",
         example.moment_identities,
+        of_sections=True,
     ),
     Property(
         "load-order",
@@ -190,6 +199,7 @@ PROPERTIES: tuple[Property, ...] = (
         "|order - 2|",
         "Taylor's theorem",
         example.load_orders(0),
+        of_sections=True,
     ),
     Property(
         "load-derivative",
@@ -198,6 +208,7 @@ PROPERTIES: tuple[Property, ...] = (
         "relative",
         "benchmarks.md MO; remainder t^6 of loads that are not polynomial",
         example.load_orders(1),
+        of_sections=True,
     ),
     Property(
         "turned",

@@ -299,7 +299,7 @@ def reciprocity(draws: Draws, element: str) -> float:
     value = unit * (random_vector(draws) + bias)
     b = (
         Moment("rod", second, value * rod.length)
-        if draws.choice((False, True))
+        if ELEMENTS[element].has_section and draws.choice((False, True))
         else Force("rod", second, value)
     )
     return solution.reciprocity(rod, a, b)

@@ -13,8 +13,8 @@ R         largest radius of the section [m]
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,11 +148,22 @@ class RodRange:
     shear_factors: tuple[bool, ...] = (False, True)
 
 
+# What a cable may be (scene_cable.py).
+CABLES: dict[str, Any] = {
+    "curved": (False,),
+    "shapes": ("circle", "annulus"),
+    "laws": ("saint-venant-kirchhoff",),
+    "shear_factors": (False,),
+}
+
+
 def random_rod(draws: Draws, element: str, allowed: RodRange | None = None) -> Rod:
     """Rod of the given element: any size, stiffness, section, base and stress-free curvature within
     `allowed`.
     """
     allowed = allowed or RodRange()
+    if not ELEMENTS[element].has_section:
+        allowed = replace(allowed, **CABLES)
     length = 10.0 ** draws.number(-2.0, 1.0)
     slenderness = draws.number(*allowed.slenderness)
     section = random_section(draws, length / slenderness, draws.choice(allowed.shapes))
@@ -225,10 +236,11 @@ def random_state(draws: Draws, model: RodModel, strain: float = 0.05) -> Floats:
 def random_loads(draws: Draws, rod: Rod, size: float = 1.0, kinds: tuple[str, ...] = ()) -> Scene:
     """Scene with the rod and one to three loads of about `size` E I / L (moments), E I / L^2 (forces).
 
-    kinds : of ``moment``, ``force``, ``line_load``, ``gravity`` (dead) and ``follower``; all of them by
-    default
+    kinds : of ``moment``, ``force``, ``line_load``, ``gravity`` (dead) and ``follower``; by default all that
+        the element carries
     """
-    kinds = kinds or ("moment", "force", "line_load", "gravity", "follower")
+    on_axis = not ELEMENTS[rod.element].has_section
+    kinds = kinds or ("moment", "force", "line_load", "gravity", "follower")[on_axis : 4 if on_axis else 5]
     I = float(np.linalg.eigvalsh(rod.section.second_moments)[0])  # noqa: E741
     moment = size * rod.material.young_modulus * I / rod.length
     force = moment / rod.length
@@ -241,6 +253,7 @@ def random_loads(draws: Draws, rod: Rod, size: float = 1.0, kinds: tuple[str, ..
             scene[what] += (Moment(rod.name, at, random_vector(draws, moment), direction),)
         elif what == "forces":
             offset = np.array([draws.number(-0.3, 0.3), draws.number(-0.3, 0.3)]) * rod.section.outer_radius
+            offset *= not on_axis
             scene[what] += (Force(rod.name, at, random_vector(draws, force), offset, direction),)
         elif what == "line_loads":
             scene[what] += (LineLoad(rod.name, random_vector(draws, force / rod.length), direction),)

@@ -131,14 +131,16 @@ def _work_of_loads(here: Solution, ahead: Solution, behind: Solution) -> float:
 
 
 def _place(solution: Solution, load: Force) -> Floats:
-    """Where a point force acts (3,): its point, or on a quadratic section the mean under its affine traction.
+    """Where a point force acts (3,): its point, or the mean under its affine traction.
+
+    The latter on sections that are not linear.
 
     Traction (1/A + y y_0/I_z + z z_0/I_y) F has the resultant F at (y_0, z_0); the matrix of second moments
     is inverted where it is not diagonal.
     """
     rod = next(rod for rod in solution.model.rods if rod.rod.name == load.rod)
     y_0, z_0 = load.offset
-    if not rod.element.quadratic_section:
+    if rod.element.linear_section:
         return solution.displaced(load.rod, load.at, y_0, z_0)
     y, z, area = rod.rod.section_at(load.at).quadrature(SECTION_DEGREE)
     points = np.column_stack([y, z])

@@ -106,6 +106,7 @@ def as_dict(run: Run) -> dict[str, Any]:
             ],
             "studies": {name: finding_dict(f) for name, f in run.study_findings.items()},
             "locking": [vars(point) for point in run.locking],
+            "remedies": [vars(remedy) for remedy in run.remedies],
             "work_precision": [family_dict(cost) for cost in run.work],
             "tangent_ratio": [ratio_dict(ratio) for ratio in run.tangents],
             "scaling": [vars(point) for point in run.scaling],

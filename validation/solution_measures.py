@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ancf
+from ancf.elements import ELEMENTS
 from ancf.mesh import reference_axis
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
@@ -208,8 +209,10 @@ def applied(solution: Solution) -> tuple[Floats, Floats]:
         for e0, left, right in zip(model.e0, model.mesh.breaks[:-1], model.mesh.breaks[1:], strict=True):
             for x, share in _axial(np.array([left, right]), 5):
                 xi = 2.0 * (x - left) / (right - left) - 1.0
-                _, J0 = frame_and_gradients(model, e0, xi, right - left, y, z)
-                mass = density * share * area * np.linalg.det(J0)
+                volume = np.ones_like(area)  # of a cable, which is straight
+                if model.element.has_section:
+                    volume = np.linalg.det(frame_and_gradients(model, e0, xi, right - left, y, z)[1])
+                mass = density * share * area * volume
                 weight += mass.sum()
                 first += mass @ (solution.displaced(None, np.full(len(y), x / rod.length), y, z) - base)
         force += weight * scene.gravity.acceleration
@@ -303,11 +306,13 @@ def difference_tangent_dependence(scene: Scene) -> float:
 def zero_effects(scene: Scene) -> float:
     """Number of coordinates that change, even in the last bit, when loads of zero magnitude are added."""
     rod, zero = scene.rods[0], np.zeros(3)
+    turning = ("fixed", "follower") if ELEMENTS[rod.element].has_section else ("fixed",)
+    moments = tuple(Moment(rod.name, 1.0, zero, direction) for direction in turning)
     more = replace(
         scene,
-        moments=(*scene.moments, Moment(rod.name, 1.0, zero), Moment(rod.name, 1.0, zero, "follower")),
-        forces=(*scene.forces, Force(rod.name, 1.0, zero), Force(rod.name, 1.0, zero, direction="follower")),
-        line_loads=(*scene.line_loads, LineLoad(rod.name, zero), LineLoad(rod.name, zero, "follower")),
+        moments=(*scene.moments, *(moments if len(turning) > 1 else ())),
+        forces=(*scene.forces, *(Force(rod.name, 1.0, zero, direction=d) for d in turning)),
+        line_loads=(*scene.line_loads, *(LineLoad(rod.name, zero, d) for d in turning)),
         gravity=scene.gravity or Gravity(zero),
     )
     return float(np.count_nonzero(solved(scene).q != solved(more).q))

@@ -1,7 +1,7 @@
 r"""Point force on a material point of a section (paper eq. 19-22), dead or follower.
 
 The point (y, z) of the section at x has r = sum_k phi_k(y, z) d_k(x), so Q = S^T F with S = sum_k phi_k N_k;
-on quadratic sections the force is spread over the section (section_energy.force_weights).
+on sections that are not linear in (y, z) it is spread over the section (section_energy.force_weights).
 A follower force turns with the section, F = R F_0, dF = dw x F with the spin dw of rotation.py.
 """
 

@@ -34,6 +34,10 @@ def _weight(model: RodModel, acceleration: np.ndarray) -> DeadLoad:
         if material.density is None:  # refused when the scene was read
             raise ValueError(f"rod {rod.name!r} has no density")
         for point in range(AXIAL_POINTS):
+            if not element.has_section:  # straight in the reference: all its mass is on the axis
+                area = model.section_in(index, float(xi[point])).area
+                mass[row] += 0.5 * h * weight[point] * material.density * area * N[point, 0]
+                continue
             local = rod.prismatic(model.section_in(index, float(xi[point])), material)
             y, z, area = local.section.quadrature(quadrature_degree(element, local))
             phi, _, _ = element.section_monomials(y, z)

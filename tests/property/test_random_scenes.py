@@ -101,7 +101,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
             math.pi * radius**2 * 0.75,
         ),
     }[shape]
-    element = draw(st.sampled_from(["3333", "3333", "3243", "3363"]))
+    element = draw(st.sampled_from(["3333", "3333", "3243", "3343", "3363"]))
     rod: dict[str, Any] = {
         "length": length,
         "elements": draw(st.integers(1, 16)),

@@ -64,7 +64,7 @@ elements = st.one_of(
     st.fixed_dictionaries(
         {},
         optional={
-            "element": st.sampled_from(["3333", "3243"]),
+            "element": st.sampled_from(["3333", "3243", "3343"]),
             "formulation": st.sampled_from(["enhanced", "continuum"]),
         },
     ),

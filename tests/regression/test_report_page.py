@@ -39,8 +39,9 @@ CASES = (
 def page(tmp_path_factory) -> Path:
     """A report of a few cases and the quick studies; every kind of section has content."""
     record = runner.run(wanted=CASES)
-    rest = runner.run(parts=("locking", "hard cases"))
+    rest = runner.run(parts=("locking", "remedies", "hard cases"))
     record.locking, record.hard_cases = rest.locking, rest.hard_cases
+    record.remedies = rest.remedies
     quick = [
         s for s in runner.convergence.studies() if s.element == "3333" and s.name in ("bending", "stretch")
     ]

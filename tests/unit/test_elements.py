@@ -5,13 +5,13 @@ from math import factorial
 import numpy as np
 import pytest
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 
 # Polynomial degree along x that each director must reproduce: (axis, section vectors). Hermite cubic axis
 # with two
 # slopes and linear section vectors for 3243; three-node Lagrange for 3333, 3363
 # (Nachbagauer, Gruber, Gerstmayr 2013).
-DEGREES = {"3243": (3, 1), "3333": (2, 2), "3363": (2, 2)}
+DEGREES = {"3243": (3, 1), "3333": (2, 2), "3343": (2, 2), "3363": (2, 2), "cable": (3, 3)}
 H = 0.37  # m, any length
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
@@ -99,7 +99,7 @@ def test_section_monomials_are_taylor_terms(element):
 
 def test_the_names_count_the_vectors():
     """Digital nomenclature: dimension, nodes, vectors a node, components (architecture.md, Names)."""
-    for name, element in ELEMENTS.items():
+    for name, element in SECTION_ELEMENTS.items():
         assert name == element.name == f"3{len(element.node_xi)}{len(element.vectors)}3"
 
 

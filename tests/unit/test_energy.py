@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.rod_model import make_rod_model
 from ancf.scene import Force, Rod, Scene
@@ -23,6 +23,7 @@ from validation.random_rods import (
 )
 
 every_element = pytest.mark.parametrize("name", ELEMENTS)
+every_section = pytest.mark.parametrize("name", SECTION_ELEMENTS)
 
 
 def rod(name, elements=3, **changes):
@@ -38,7 +39,7 @@ def model(name, elements=3, mark=None, **changes):
     )
 
 
-@every_element
+@every_section
 @given(source=draws())
 def test_the_reference_is_exactly_without_energy_and_force(name, source):
     """Strain products are formed from differences: zero, not small (theory.md 5)."""
@@ -72,7 +73,7 @@ def test_energy_is_positive_in_any_strained_state(name, source):
     assert arrays.elastic.energy(kernel.per_element(arrays, random_state(source, arrays))) > 0.0
 
 
-@every_element
+@every_section
 @pytest.mark.parametrize("rule", ["default", "full"])
 @settings(max_examples=fewer(2))
 @given(source=draws())
@@ -101,7 +102,7 @@ def test_one_axial_point_is_not_enough(name):
     assert kernel.zero_modes(kernel.assembled(arrays, K))[0] > 6
 
 
-@every_element
+@every_section
 @given(source=draws())
 def test_material_and_geometric_parts_are_the_tangent(name, source):
     """K = B^T H B + N^T S N: the material part alone at the reference, nowhere negative (constant H)."""
@@ -130,7 +131,7 @@ def test_force_and_tangent_returns_the_force(name, source):
         np.testing.assert_allclose(found, Q, atol=1e-14 * np.abs(Q).max())
 
 
-@every_element
+@every_section
 def test_elements_of_different_length_have_their_own_stiffness(name):
     """A mark at .37 of three elements makes lengths .37, .315, .315; equal elements share one matrix."""
     assert len(model(name).elastic.section.H) == 1
@@ -143,7 +144,7 @@ def test_elements_of_different_length_have_their_own_stiffness(name):
     )  # length 1 in all
 
 
-@every_element
+@every_section
 def test_bending_energy_of_an_element(name):
     """One element bent by r_yx alone: sections turn, axis stays; U = E I kappa^2 h/2 + (E/2) int (kappa
     y)^4/4 dA h.

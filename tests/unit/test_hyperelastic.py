@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ancf.cauchy_green import CauchyGreen
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.hyperelastic import MooneyRivlin, NeoHookean, enhanced_potentials, full_potential
 from ancf.materials import VOIGT, SaintVenantKirchhoff
 from ancf.model import Model
@@ -138,7 +138,7 @@ def test_volume_ratio_of_a_strain():
 # --- on elements
 # ------------------------------------------------------------------------------------------------
 
-FORMS = [(name, form) for name, element in ELEMENTS.items() for form in element.formulations]
+FORMS = [(name, form) for name, element in SECTION_ELEMENTS.items() for form in element.formulations]
 every_form = pytest.mark.parametrize(("name", "formulation"), FORMS)
 every_rubber = pytest.mark.parametrize("law", [NeoHookean(1e6, 0.45), MooneyRivlin(1e5, 5e4, 2e6)], ids=repr)
 
@@ -250,7 +250,7 @@ def test_bar_free_to_contract_follows_the_full_law(name, formulation, law, stret
     np.testing.assert_allclose(solution.tip().position, [0.3 * stretch, 0.0, 0.0], atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 def test_incompressible_limit(name):
     """benchmarks.md AX: mu = 9e5, A = .01, 9500 N gives 1.5 (mu (s - s^-2) A = 9500); 1e-3 at K/mu = 1e3."""
     mu, ratio = 9e5, 1e3
@@ -269,7 +269,7 @@ def test_incompressible_limit(name):
         assert solution.tip().position[0] == pytest.approx(1.5, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 @pytest.mark.parametrize("nu", [0.3, 0.45, 0.49, 0.499, 0.4999])
 @pytest.mark.parametrize("angle", [0.0, np.pi / 4])
 def test_bending_stiffness_does_not_lock(name, nu, angle):
@@ -320,7 +320,7 @@ def test_an_inverted_start_is_recognised(name):
     np.testing.assert_allclose(smallest, -1.0, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 @pytest.mark.parametrize("section", [Circle(0.01), Rectangle(0.02, 0.01)], ids=["circle", "rectangle"])
 def test_a_load_in_a_plane_of_symmetry_leaves_the_rod_in_it(name, section):
     """Hanging steeply, the arm would show any asymmetry of the section's rule a hundredfold."""

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import EFFECT_MODULES, Model
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, SolverOptions, Support
@@ -20,6 +20,7 @@ from validation.property_examples import SOLVED
 from validation.random_rods import random_loads, random_rod, random_rotation, random_state
 
 every_element = pytest.mark.parametrize("name", ELEMENTS)
+every_section = pytest.mark.parametrize("name", SECTION_ELEMENTS)
 DEAD = ("force", "line_load", "gravity")
 
 
@@ -67,7 +68,7 @@ def two_rods(name="3333", **options):
     )
 
 
-@every_element
+@every_section
 @settings(max_examples=fewer(4))
 @given(source=draws(), load_factor=st.floats(0.1, 2.0))
 def test_supported_tangent_is_the_difference_tangent_on_the_free_unknowns(name, source, load_factor):
@@ -82,7 +83,7 @@ def test_supported_tangent_is_the_difference_tangent_on_the_free_unknowns(name, 
     np.testing.assert_allclose(found * scale, expected * scale, atol=1e-6 * np.abs(expected * scale).max())
 
 
-@every_element
+@every_section
 def test_two_rods_assemble_without_touching_each_other(name):
     model = Model(two_rods(name))
     rng = np.random.default_rng(5)
@@ -97,7 +98,7 @@ def test_two_rods_assemble_without_touching_each_other(name):
     assert model.unknowns == len(K)
 
 
-@every_element
+@every_section
 def test_numerical_tangent_option_gives_the_same_matrix(name):
     """`tangent = "finite-difference"`: central differences of the blocks (paper eq. 38-41)."""
     analytic, numerical = Model(two_rods(name)), Model(two_rods(name, tangent="finite-difference"))
@@ -111,7 +112,7 @@ def test_numerical_tangent_option_gives_the_same_matrix(name):
         np.testing.assert_allclose(found.Q_int, plain.Q_int, atol=1e-13 * np.abs(plain.Q_int).max())
 
 
-@every_element
+@every_section
 @given(source=draws(), load_factor=st.floats(0.1, 2.0))
 def test_dead_loads_are_the_gradient_of_the_potential(name, source, load_factor):
     """g = d(U + l V)/dq for gravity, dead forces and dead line loads; order 2 of the differences."""
@@ -148,7 +149,7 @@ def test_moments_and_followers_have_no_potential():
         np.testing.assert_allclose(without, without.T, atol=1e-13 * np.abs(without).max())
 
 
-@every_element
+@every_section
 @given(source=draws())
 def test_b1_picks_the_element_and_b2_the_allowed_motions(name, source):
     """Paper eq. 10: e = B_1 q; dq = B_2 dp with orthonormal columns; the projector of the solver is B_2
@@ -170,7 +171,7 @@ def test_b1_picks_the_element_and_b2_the_allowed_motions(name, source):
         np.testing.assert_allclose(s.rows @ B[s.dofs], 0.0, atol=1e-13)
 
 
-@every_element
+@every_section
 def test_the_linear_solve_is_the_reduced_one(name):
     """Projected band LU against a dense solve with B_2, on supports that couple components."""
     model = Model(two_rods(name))
@@ -196,7 +197,7 @@ def test_units_make_the_model_dimensionless():
     assert rod.rod.section.radius_of_gyration == pytest.approx(0.1 / np.sqrt(12), rel=1e-12)
 
 
-@every_element
+@every_section
 def test_row_sum_bounds_the_residual_of_a_rounded_state(name):
     """|K| |q| at the worst equation, against the dense sum, dimensionless."""
     model = Model(two_rods(name))
@@ -258,7 +259,7 @@ def test_point_and_line_forces_add_up(source):
     """A force has its own resultant and its moment about the base; a line load f L, half of it at L/2 if
     straight.
     """
-    for name in ELEMENTS:
+    for name in SECTION_ELEMENTS:  # offsets and followers
         rod = replace(random_rod(source, name), curvature=np.zeros(3))
         F, y, z = random_rotation(source)[0], 0.3 * rod.section.outer_radius, -0.2 * rod.section.outer_radius
         at = source.number(0.0, 1.0)
@@ -284,7 +285,7 @@ def velocity(rod, of):
     return np.array([[of(order, x) for order in rod.element.vectors] for x in rod.mesh.node_x])
 
 
-@every_element
+@every_section
 def test_a_line_load_is_consistent(name):
     """Its power on the velocity c x^2 e is f . e c L^3/3, which lumping at nodes or midpoints misses."""
     rod = Rod("rod", 2.0, 3, Circle(0.1), SaintVenantKirchhoff(1.0, 0.3), element=name)
@@ -297,7 +298,7 @@ def test_a_line_load_is_consistent(name):
         assert power == pytest.approx(f @ e * c * 2.0**3 / 3, rel=1e-12)
 
 
-@every_element
+@every_section
 def test_weight_of_a_curved_rod_lies_outside_its_axis(name):
     """det J_0 = 1 - kappa_z y + kappa_y z: the power on dr_y = e is -rho g . e kappa_z I_z L, and likewise on
     r_z.

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ancf.elements import ELEMENTS
+from ancf.elements import SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import reference_axis
 from ancf.model import Model
@@ -35,7 +35,7 @@ def start(scene):
 
 
 @pytest.mark.parametrize("direction", ["fixed", "follower"])
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 @given(base=rotations(), v=vectors(1.0), share=st.floats(0.1, 1.0))
 def test_a_tip_moment_gives_the_helix(name, direction, base, v, share):
     """Closed form (reference.helix, theory.md 1); the start is promised within 1e-3 for a turn on 12
@@ -137,7 +137,7 @@ def bent(model, amount):
     return q.ravel()
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 def test_extrapolation_reproduces_its_points_and_polynomials(name):
     """The start at a known load factor is that state; measures linear in the load are continued."""
     model = Model(Scene((rod(name),)))
@@ -150,7 +150,7 @@ def test_extrapolation_reproduces_its_points_and_polynomials(name):
     np.testing.assert_allclose(path.extrapolate(1.0), bent(model, 1.0), atol=1e-5)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("name", SECTION_ELEMENTS)
 def test_the_tangent_start_moves_along_the_increment(name):
     """For a small increment it is q + dq; for a large one the sections keep their size."""
     model = Model(Scene((rod(name),)))

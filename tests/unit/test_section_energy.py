@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.errors import SceneError
 from ancf.materials import VOIGT, SaintVenantKirchhoff
 from ancf.scene import Rod
@@ -26,9 +26,10 @@ from validation import kernel_measures as kernel
 from validation.random_rods import RodRange, random_model, random_rotation, random_state, random_vector
 
 every_element = pytest.mark.parametrize("name", ELEMENTS)
+every_section = pytest.mark.parametrize("name", SECTION_ELEMENTS)
 
 
-@every_element
+@every_section
 @given(st.integers(0, 2**20))
 def test_strain_matrix_is_green_lagrange(name, seed):
     """B gamma = (F^T F - I)/2 in Voigt order with doubled shear, for any vectors v and any reference v0."""
@@ -49,7 +50,7 @@ def test_strain_matrix_is_green_lagrange(name, seed):
     np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
-@every_element
+@every_section
 def test_generalised_vectors_are_the_derivatives_of_the_position(name):
     """r' = sum phi_k v_k and r - r(0, 0) = sum phi_k v_(K + k - 1) for r = sum phi_k d_k, anywhere in the
     section; r' by differences of r along the element.
@@ -71,7 +72,7 @@ def test_generalised_vectors_are_the_derivatives_of_the_position(name):
         np.testing.assert_allclose(phi[1:] @ v[count:], r(xi, y, z) - r(xi, 0, 0), atol=1e-13)
 
 
-@every_element
+@every_section
 @given(source=draws())
 def test_cylindrical_gradient_is_the_cartesian_one(name, source):
     """Paper eq. 42-45 with the corrections of paper-map.md, on a straight round rod in BCS:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ancf.elements import ELEMENTS
+from ancf.elements import SECTION_ELEMENTS
 from ancf.errors import InputError
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
@@ -27,7 +27,7 @@ LAWS = {
     "mr": MooneyRivlin(1.0e5, 0.6e5, 5e6),
 }
 BASE = Frame(np.array([1.0, 2.0, 3.0]), random_rotation(RngDraws(np.random.default_rng(3))))
-KINDS = [(name, formulation) for name, e in ELEMENTS.items() for formulation in e.formulations]
+KINDS = [(name, formulation) for name, e in SECTION_ELEMENTS.items() for formulation in e.formulations]
 
 every_kind = pytest.mark.parametrize(("element", "formulation"), KINDS)
 every_law = pytest.mark.parametrize("law", LAWS)
@@ -48,7 +48,7 @@ def test_constant_strain_has_the_stress_of_the_law(element, formulation, law):
     assert patch_stress(make_rod_model(scene, spec, 0), F) < 1e-12
 
 
-@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("element", SECTION_ELEMENTS)
 @every_law
 def test_bending_and_torsion_are_navier_and_coulomb(element, law):
     """sigma_xx = -M_z y/I + M_y z/I, tau = T r/J, in the axes of the turned section; strains of 1e-5.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.elements import ELEMENTS
+from ancf.elements import SECTION_ELEMENTS
 from ancf.hyperelastic import NeoHookean
 from ancf.model import Model
 from ancf.scene import Moment, Rod, Scene
@@ -19,7 +19,7 @@ from validation.random_rods import bent_state
 from validation.solution_measures import solved
 
 
-@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("element", SECTION_ELEMENTS)
 def test_stress_of_a_tapered_stepped_rod_is_that_of_its_section(element):
     """sigma = M y / I(x) (Navier) at a small moment; where it jumps, that of the larger section's side."""
     taper = Segment(0.5, 16, Circle(0.01), SVK, Circle(0.005))

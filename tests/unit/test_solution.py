@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, Support
 from ancf.sections import Circle, Rectangle
@@ -21,6 +21,7 @@ EA = 1e6 * np.pi * RADIUS**2
 BASE = Frame(np.array([1.0, -2.0, 3.0]), np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
 
 every_element = pytest.mark.parametrize("name", ELEMENTS)
+every_section = pytest.mark.parametrize("name", SECTION_ELEMENTS)
 
 
 def rod(name="3333", **changes):
@@ -46,7 +47,7 @@ def test_the_unloaded_rod_is_its_reference(name):
         solution.tip("leg")
 
 
-@every_element
+@every_section
 def test_rotation_and_gradients_of_a_rolled_rod(name):
     """Tip moment E I phi / L about z turns the tip by phi; r_y, r_z turn with it, rotation is relative to the
     reference.
@@ -161,7 +162,7 @@ def test_two_supports_share_the_load(name):
     np.testing.assert_allclose(moment, -np.cross([0, 0.5, 0], F), atol=1e-6 * EI)
 
 
-@every_element
+@every_section
 def test_the_json_form_is_the_interface(name):
     """interface.md, Result: keys, plain numbers, only evaluated effects."""
     scene = Scene(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from ancf.elements import ELEMENTS
+from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.rotation import hat
 from ancf.supports import NodeSupport, support_rows
 from tests.strategies import rotations
@@ -19,6 +19,7 @@ def conditions_of(kind, element):
 
 
 every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda e: e.name)
+every_section = pytest.mark.parametrize("element", SECTION_ELEMENTS.values(), ids=lambda e: e.name)
 
 
 def support(kind, element, frame=None):
@@ -33,7 +34,7 @@ def motion(element, **vectors):
     return np.concatenate([np.asarray(vectors.get(names[v], np.zeros(3)), float) for v in element.vectors])
 
 
-@every_element
+@every_section
 @pytest.mark.parametrize("kind", KINDS)
 @given(frame=rotations())
 def test_basis_and_projector(element, kind, frame):
@@ -59,7 +60,7 @@ def test_clamp_holds_everything_and_pin_the_position(element):
     assert set(np.unique(pin.basis)) == {0.0, 1.0}  # unit vectors, exactly
 
 
-@every_element
+@every_section
 @given(frame=rotations())
 def test_free_section_clamp_allows_contraction_and_nothing_rigid(element, frame):
     """interface.md: r = 0, r_y.x = r_z.x = 0, r_y.z = r_z.y in the base frame; r_x and the stretches free."""

@@ -17,6 +17,7 @@ from validation.cost import advice
 from validation.criteria import Verdict
 from validation.environment import peak_memory_mb
 from validation.locking import VARIANTS
+from validation.locking_remedies import FORCE_CASES, MOMENT_CASES
 from validation.outcome import Row
 from validation.problems import CaseResult
 from validation.property_runs import SEED
@@ -124,6 +125,7 @@ def context(run: Run) -> dict[str, Any]:
         "shortfall": SHORTFALL,
         "seed": SEED,
         "variants": VARIANTS,
+        "remedy_cases": (FORCE_CASES, MOMENT_CASES),
         "decisions": tomllib.loads((HERE / "decisions.toml").read_text(encoding="utf-8"))["decision"],
         "memory": peak_memory_mb(),
     }
@@ -272,7 +274,9 @@ def _anchor(check: str) -> str:
     kind, _, name = check.partition(" ")
     if check.startswith("hard case "):
         return f"hard-{slug(check.removeprefix('hard case '))}"
-    places = {"order": "convergence", "property": "properties", "locking": "locking",
-              "slenderness": "locking", "work-precision": "work", "part": "environment",
-              "reference": "reference-checks"}  # fmt: skip
+    places = {
+        "order": "convergence", "property": "properties", "locking": "locking", "slenderness": "locking",
+        "remedies": "locking", "work-precision": "work", "part": "environment",
+        "reference": "reference-checks",
+    }  # fmt: skip
     return f"case-{slug(name)}" if kind == "case" else places.get(kind, "")
