@@ -74,8 +74,8 @@ class RowsResult:
     @classmethod
     def empty(cls, rows: int, n: int) -> RowsResult:
         """Of rows that are not solved yet."""
-        numbers = np.zeros((2, rows))
-        return cls(np.zeros((rows, n)), np.zeros(rows, bool), *numbers, np.zeros(rows, np.int64))
+        residual, floor = np.zeros((2, rows))
+        return cls(np.zeros((rows, n)), np.zeros(rows, bool), residual, floor, np.zeros(rows, np.int64))
 
     def put(self, rows: NDArray[np.intp], part: RowsResult) -> None:
         """Store the results of some of the rows."""

@@ -118,7 +118,7 @@ class ElasticRod:
         The same as `vector_force` where no strain is assumed.
         """
         T = self.section.resultants(self.gamma(v))
-        return self._symmetric(T) @ v[..., : T.shape[-2], :]
+        return self._symmetric(T) @ v[..., : T.shape[-2], :, :]
 
     def force(self, e: Floats) -> Floats:
         """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""

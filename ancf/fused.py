@@ -7,13 +7,13 @@ A row that the kernel cannot solve is only marked: the caller decides what to do
 from __future__ import annotations
 
 import importlib.util
-from dataclasses import dataclass
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.batch_rows import RowsResult
 from ancf.fused_tables import (
     ElasticTables,
     LoadTables,
@@ -39,26 +39,6 @@ Floats = NDArray[np.float64]
 FEW, MANY = 4, 8
 # Fraction of the length within which a load stands on an element boundary.
 ON_BOUNDARY = 1e-9
-
-
-@dataclass(frozen=True)
-class RowsResult:
-    """What became of every row.
-
-    Parameters
-    ----------
-    q : (B, n) last iterate [SI], finite whatever happened
-    converged : (B,)
-    residual : (B,) dimensionless as in newton.py; inf where a row did not get that far
-    floor : (B,) what float64 leaves of it
-    iterations : (B,) linear solves
-    """
-
-    q: Floats
-    converged: NDArray[np.bool_]
-    residual: Floats
-    floor: Floats
-    iterations: NDArray[np.int64]
 
 
 class Problem(NamedTuple):
@@ -151,6 +131,8 @@ def unsupported(model: Model) -> str:
     if len(model.rods) != 1 or model.joints is not None:
         return "The fused kernel solves one rod without joints."
     (rod,) = model.rods
+    if rod.elastic.assumed is not None:
+        return "The fused kernel takes no assumed strains."
     if not isinstance(rod.elastic.section, QuadraticSection):
         return "The fused kernel knows Saint Venant-Kirchhoff material only."
     if any(load.direction != "fixed" for load in scene.line_loads):
@@ -316,6 +298,3 @@ def _floor(model: Model) -> float:
         entries = band[b + offset, columns] * model.unit[columns] / model.force_unit[rows]
         np.add.at(squares, (rows // 3, columns // 3), entries**2)
     return FLOOR_FACTOR * float(np.finfo(float).eps) * float(np.max(np.sqrt(squares) @ size.ravel()))
-
-
-__all__ = ["RowsResult", "solve_rows", "unsupported"]
