@@ -239,6 +239,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "force": scene.forces,
         "line_load": scene.line_loads,
         "gravity": (scene.gravity,) if scene.gravity else (),
+        "tendon": scene.tendons,
         "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}

@@ -39,7 +39,13 @@ Floats = NDArray[np.float64]
 _name = attrgetter("name")
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
-EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
+EFFECT_MODULES = {
+    "moments": "moment",
+    "forces": "force",
+    "line_loads": "line_load",
+    "gravity": "gravity",
+    "tendons": "tendon",
+}
 
 
 # E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod

@@ -14,6 +14,7 @@ in the section's own axes. Other loads: the Kirchhoff chain of rod_start.py.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rod_start import Chain, between_nodes, nodal_loads
 from ancf.rotation import exp, log
-from ancf.scene import Moment, Rod
+from ancf.scene import Moment, Rod, Tendon
 
 Floats = NDArray[np.float64]
 
@@ -52,9 +53,12 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
             continue
         moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         loads = nodal_loads(model.scene, rod)
+        tendons = [tendon for tendon in model.scene.tendons if tendon.rod == rod.rod.name and tendon.tension]
         frames, axial_strain = _frames_by_moments(rod, moments), None
-        if loads.forces or (moments and frames is None):
+        if loads.forces or tendons or (moments and frames is None):
             chain = _chain(rod)
+            if tendons:
+                chain = replace(chain, k_0=chain.k_0 + _tendon_curvature(rod, tendons))
             starts = [chain.R_0] if frames is None else [chain.R_0, frames]
             shapes = (chain.equilibrium(loads, R, deadline) for R in starts)
             shape = next((shape for shape in shapes if shape is not None), None)
@@ -131,6 +135,21 @@ def _chain(rod: RodModel) -> Chain:
         held=rod.node_at(rod.rod.supports[0].at),
         unit=rod.bending_stiffness / rod.rod.length,
     )
+
+
+def _tendon_curvature(rod: RodModel, tendons: list[Tendon]) -> Floats:
+    """Curvature (n_nodes - 1, 3) that tendons give the rod between its nodes, by the couples (0, -z T, y T)
+    of their tension, which turn with the sections.
+    """
+    x = rod.mesh.node_x
+    middle = 0.5 * (x[:-1] + x[1:]) / rod.rod.length
+    moment = np.zeros((len(middle), 3))
+    for tendon in tendons:
+        at, y, z = tendon.path.T
+        inside = tendon.tension * ((middle > at[0]) & (middle < at[-1]))
+        moment[:, 1] -= inside * np.interp(middle, at, z)
+        moment[:, 2] += inside * np.interp(middle, at, y)
+    return np.einsum("nij,nj->ni", compliance_between_nodes(rod), moment)
 
 
 def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Floats:

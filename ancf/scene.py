@@ -176,6 +176,19 @@ class LineLoad:
 
 
 @dataclass(frozen=True, eq=False)
+class Tendon:
+    """A tendon without friction, pulled by a tension [N] along its path (points, 3) of [at, y, z].
+
+    `at` is a fraction of the reference length, rising; y and z [m] are coordinates in the section, linear in
+    between.
+    """
+
+    rod: str
+    tension: float
+    path: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -247,6 +260,7 @@ class Scene:
     forces: tuple[Force, ...] = ()
     line_loads: tuple[LineLoad, ...] = ()
     gravity: Gravity | None = None
+    tendons: tuple[Tendon, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None

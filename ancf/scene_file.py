@@ -29,9 +29,21 @@ from ancf.scene_loads import (
 )
 from ancf.scene_rods import default_name, read_rod
 from ancf.scene_table import Table
+from ancf.scene_tendons import read_tendon
 
-SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "joint", "solver", "stability")
-LATER_KEYS = ("tendon", "pressure", "contact")
+SCENE_KEYS = (
+    "title",
+    "rod",
+    "moment",
+    "force",
+    "gravity",
+    "line_load",
+    "tendon",
+    "joint",
+    "solver",
+    "stability",
+)
+LATER_KEYS = ("pressure", "contact")
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -114,6 +126,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
+        tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
         joints=read_joints(table.tables("joint"), entries, rods),
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
