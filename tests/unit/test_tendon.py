@@ -159,6 +159,49 @@ def test_results_and_units():
     assert batch_refused["effects"]["tendon"]["calls"] >= 1
 
 
+def test_sweeps_and_derivatives():
+    """A batch of tensions is what `solve` finds; the sensitivity that of differences of solves."""
+    tables = {"tendon": [*straight(0.0, (0.005, 0.0))["tendon"], *tendon()["tendon"]]}
+    rows = np.array([[0.0, 0.5], [1.0, 0.0], [0.7, 1.2]]) * TENSION
+    batch = ancf.solve_batch(scene(**tables), tensions=rows)
+    assert (batch.status == "converged").all()
+
+    def alone(pulls):
+        for table, pull in zip(tables["tendon"], pulls, strict=True):
+            table["tension"] = float(pull)
+        return ancf.solve(scene(**tables))
+
+    for row, pose in zip(rows, batch.poses, strict=True):
+        np.testing.assert_allclose(pose[:, 0], alone(row).tip().position, rtol=0, atol=1e-10 * L)
+    step = 1e-3 * TENSION
+    for index in range(2):
+        ends = [alone(rows[2] + s * step * np.eye(2)[index]).tip().position for s in (1, -1)]
+        found = batch.sensitivity("tension", index)[2]
+        assert found.shape == (12,)
+        np.testing.assert_allclose(found[:3] * TENSION, (ends[0] - ends[1]) / 2e-3, rtol=0, atol=1e-6 * L)
+    alone(rows[2])
+    first = ancf.solve_batch(scene(**tables), tensions=rows[:, 0])
+    np.testing.assert_allclose(
+        first.poses[1, :, 0], alone([rows[1, 0], rows[2, 1]]).tip().position, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("tensions", "hint"),
+    [
+        ([[-1.0, 0.0]], "cannot push"),
+        ([[[1.0]]], "wrong shape"),
+        ([[1.0, 2.0, 3.0]], "(B, 2)"),
+        ([[np.nan]], "finite"),
+    ],
+)
+def test_bad_sweeps_are_refused(tensions, hint):
+    tables = {"tendon": [*straight(1.0, (0.0, 0.0))["tendon"], *tendon()["tendon"]]}
+    with pytest.raises(ancf.InputError) as refused:
+        ancf.solve_batch(scene(**tables), tensions=tensions)
+    assert hint in str(refused.value)
+
+
 BAD = {
     "pushed": ({"tension": -1.0}, "tension"),
     "no path": ({"path": []}, "two or more"),
