@@ -82,8 +82,8 @@ class RowsResult:
     @classmethod
     def empty(cls, rows: int, n: int) -> RowsResult:
         """Of rows that are not solved yet."""
-        numbers = np.zeros((2, rows))
-        return cls(np.zeros((rows, n)), np.zeros(rows, bool), *numbers, np.zeros(rows, np.int64))
+        residual, floor = np.zeros((2, rows))
+        return cls(np.zeros((rows, n)), np.zeros(rows, bool), residual, floor, np.zeros(rows, np.int64))
 
     def put(self, rows: NDArray[np.intp], part: RowsResult) -> None:
         """Store the results of some of the rows."""
@@ -119,11 +119,12 @@ def read_rows(
     pulls = np.tile([tendon.tension for tendon in scene.tendons], (rows, 1))
     if "tensions" in tables:
         pulls[:, : tables["tensions"].shape[1]] = tables["tensions"][..., 0]
-    largest = [
+    most_bent, most_pushed = (
         values[np.argmax(np.linalg.norm(values, axis=-1), axis=0), np.arange(values.shape[1])]
         for values in filled.values()
-    ]
-    return BatchLoads(_with_values(scene, *largest, pulls.max(axis=0)), **filled, tensions=pulls)
+    )
+    largest = _with_values(scene, most_bent, most_pushed, pulls.max(axis=0))
+    return BatchLoads(largest, **filled, tensions=pulls)
 
 
 def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon]) -> Floats:
