@@ -240,6 +240,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "line_load": scene.line_loads,
         "gravity": (scene.gravity,) if scene.gravity else (),
         "tendon": scene.tendons,
+        "pressure": scene.pressures,
         "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}

@@ -152,8 +152,8 @@ def unsupported(model: Model) -> str:
     (rod,) = model.rods
     if not isinstance(rod.elastic.section, QuadraticSection):
         return "The fused kernel knows Saint Venant-Kirchhoff material only."
-    if scene.tendons:
-        return "The fused kernel knows no tendons."
+    if scene.tendons or scene.pressures:
+        return "The fused kernel knows neither tendons nor pressure."
     if any(load.direction != "fixed" for load in scene.line_loads):
         return "The fused kernel knows dead line loads only."
     if any(load.definition != "section" for load in scene.moments):

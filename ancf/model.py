@@ -45,6 +45,7 @@ EFFECT_MODULES = {
     "line_loads": "line_load",
     "gravity": "gravity",
     "tendons": "tendon",
+    "pressures": "pressure",
 }
 
 

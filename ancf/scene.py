@@ -189,6 +189,21 @@ class Tendon:
 
 
 @dataclass(frozen=True, eq=False)
+class Pressure:
+    """Gauge pressure [Pa] in a closed round chamber along a rod, between two fractions of its length.
+
+    `centre` (2,) and `radius` [m] are those of the chamber in the reference section.
+    """
+
+    rod: str
+    value: float
+    centre: NDArray[np.float64]
+    radius: float
+    start: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -261,6 +276,7 @@ class Scene:
     line_loads: tuple[LineLoad, ...] = ()
     gravity: Gravity | None = None
     tendons: tuple[Tendon, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None

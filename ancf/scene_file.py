@@ -27,6 +27,7 @@ from ancf.scene_loads import (
     read_solver,
     read_stability,
 )
+from ancf.scene_pressures import read_pressure
 from ancf.scene_rods import default_name, read_rod
 from ancf.scene_table import Table
 from ancf.scene_tendons import read_tendon
@@ -39,11 +40,12 @@ SCENE_KEYS = (
     "gravity",
     "line_load",
     "tendon",
+    "pressure",
     "joint",
     "solver",
     "stability",
 )
-LATER_KEYS = ("pressure", "contact")
+LATER_KEYS = ("contact",)
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -127,6 +129,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
+        pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
         joints=read_joints(table.tables("joint"), entries, rods),
         solver=read_solver(table.table("solver")) if "solver" in table.data else SolverOptions(),
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
