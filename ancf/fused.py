@@ -152,8 +152,9 @@ def unsupported(model: Model) -> str:
     (rod,) = model.rods
     if not isinstance(rod.elastic.section, QuadraticSection):
         return "The fused kernel knows Saint Venant-Kirchhoff material only."
-    if scene.tendons or scene.pressures:
-        return "The fused kernel knows neither tendons nor pressure."
+    known = {"moment", "force", "gravity", "line_load"}
+    if unknown := sorted({effect.name for effect in model.effects} - known):
+        return f"The fused kernel knows no {' and no '.join(unknown)}."
     if any(load.direction != "fixed" for load in scene.line_loads):
         return "The fused kernel knows dead line loads only."
     if any(load.definition != "section" for load in scene.moments):

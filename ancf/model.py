@@ -43,7 +43,9 @@ EFFECT_MODULES = {
     "moments": "moment",
     "forces": "force",
     "line_loads": "line_load",
+    "line_moments": "line_moment",
     "gravity": "gravity",
+    "magnets": "magnet",
     "tendons": "tendon",
     "pressures": "pressure",
 }

@@ -176,6 +176,25 @@ class LineLoad:
 
 
 @dataclass(frozen=True, eq=False)
+class LineMoment:
+    """A moment per reference length [N m/m] on the sections of a whole rod; as in `Moment`."""
+
+    rod: str
+    value: NDArray[np.float64]
+    direction: str = "fixed"
+    frame: str = "structure"
+
+
+@dataclass(frozen=True, eq=False)
+class Magnet:
+    """A magnetised rod in a uniform field: remanence [T] in section axes, flux density [T] in SCS."""
+
+    rod: str
+    remanence: NDArray[np.float64]
+    field: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class Tendon:
     """A tendon without friction, pulled by a tension [N] along its path (points, 3) of [at, y, z].
 
@@ -274,6 +293,8 @@ class Scene:
     moments: tuple[Moment, ...] = ()
     forces: tuple[Force, ...] = ()
     line_loads: tuple[LineLoad, ...] = ()
+    line_moments: tuple[LineMoment, ...] = ()
+    magnets: tuple[Magnet, ...] = ()
     gravity: Gravity | None = None
     tendons: tuple[Tendon, ...] = ()
     pressures: tuple[Pressure, ...] = ()
@@ -282,7 +303,7 @@ class Scene:
     stability: StabilityOptions | None = None
     title: str = ""
 
-    def load_axes(self, load: Moment | Force | LineLoad) -> NDArray[np.float64]:
+    def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""
         return self.rod(load.rod).base.rotation if load.frame == "body" else np.eye(3)
 

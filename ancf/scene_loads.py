@@ -10,14 +10,26 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
+from ancf.scene import (
+    Force,
+    Gravity,
+    LineLoad,
+    LineMoment,
+    Magnet,
+    Moment,
+    Rod,
+    SolverOptions,
+    StabilityOptions,
+)
 from ancf.scene_table import FRACTION, Limit, Table
 from ancf.units import (
     ACCELERATION,
+    FLUX_DENSITY,
     FORCE,
     FORCE_PER_LENGTH,
     LENGTH,
     MOMENT,
+    MOMENT_PER_LENGTH,
     NUMBER,
     TIME,
     Dimension,
@@ -81,6 +93,25 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
         frame=_frame(table),
         direction=table.word("direction", DIRECTIONS, "fixed"),
     )
+
+
+def read_line_moment(table: Table, rods: Sequence[Rod]) -> LineMoment:
+    """Read one `[[line_moment]]`."""
+    table.expect_keys(("rod", "value", "frame", "direction"))
+    rod = _rod_of(table, rods)
+    return LineMoment(
+        rod=rod.name,
+        value=_value(table, rod, MOMENT_PER_LENGTH),
+        frame=_frame(table),
+        direction=table.word("direction", DIRECTIONS, "fixed"),
+    )
+
+
+def read_magnet(table: Table, rods: Sequence[Rod]) -> Magnet:
+    """Read one `[[magnet]]`: remanence of the rod in its section axes, flux density of the field in SCS."""
+    table.expect_keys(("rod", "remanence", "field"))
+    remanence, field = (table.vector(key, 3, FLUX_DENSITY) for key in ("remanence", "field"))
+    return Magnet(_rod_of(table, rods).name, remanence, field)
 
 
 def read_gravity(table: Table, rods: Sequence[Rod], source: str) -> Gravity:

@@ -27,7 +27,13 @@ from ancf.scene import Rod, Scene
 
 Floats = NDArray[np.float64]
 
-LOADS = {"moment": "moments", "force": "forces", "line_load": "line_loads", "tension": "tendons"}
+LOADS = {
+    "moment": "moments",
+    "force": "forces",
+    "line_load": "line_loads",
+    "line_moment": "line_moments",
+    "tension": "tendons",
+}
 # Of the parameter (or of 1/L, for curvature). Its fourth power times A L^2/I, the stiffness of the axis in
 # units of that of bending, is what truncation leaves; rounding leaves eps A L^2/I over it.
 STEP = 2e-4
