@@ -1,8 +1,8 @@
 r"""Magnetised rod in a uniform field: couple per length m = (R p) x B, p = (B_r/mu_0) A, V = -int R p . B dx.
 
 B_r (3,) [T] is the remanence, fixed to the material, B (3,) [T] the flux density of the field: in soft
-material with hard-magnetic particles the remanence is independent of the field (Kim, Yuk, Zhao, Chester, Zhao,
-Nature 558 (2018) 274). A uniform field exerts no force.
+material with hard-magnetic particles the remanence is independent of the field (Kim, Yuk, Zhao, Chester and
+Zhao, Nature 558 (2018) 274). A uniform field exerts no force.
 """
 
 from __future__ import annotations
