@@ -59,9 +59,9 @@ class BatchSolution:
 
     @property
     def rod(self) -> str:
-        """Name of the rod whose tip the poses are: that of the first moment, or of the first force."""
+        """Name of the rod whose tip the poses are: that of the first moment, else force, else tendon."""
         scene = self.loads.scene
-        return (*scene.moments, *scene.forces)[0].rod
+        return (*scene.moments, *scene.forces, *scene.tendons)[0].rod
 
     @cached_property
     def poses(self) -> Floats:
@@ -94,6 +94,7 @@ def solve_batch(
     moments: ArrayLike | None = None,
     *,
     forces: ArrayLike | None = None,
+    tensions: ArrayLike | None = None,
     start: ArrayLike | None = None,
     engine: str = "auto",
 ) -> BatchSolution:
@@ -103,6 +104,7 @@ def solve_batch(
     ----------
     moments : (B, 3) [N m] values of the first [[moment]] of the scene, in its frame, or (B, k, 3) of all k
     forces : (B, 3) or (B, k, 3) [N], likewise; loads that are not given keep the values of the scene
+    tensions : (B,) [N] of the first tendon, or (B, k) of all k
     start : nodal coordinates (n,) or (B, n) to begin from, as `BatchSolution.q`; None finds its own starts:
         closed form under moments, else solved neighbours in the order of the rows where they are near
     engine : "auto", or "numpy" | "fused" to insist on a form
@@ -117,7 +119,7 @@ def solve_batch(
     SceneError : the scene cannot be meshed.
     """
     started = time.perf_counter()
-    loads = read_rows(scene, moments, forces)
+    loads = read_rows(scene, moments, forces, tensions)
     model = _model(scene, loads)
     begin = None if start is None else _starts(start, len(loads), model)
     chosen = _engine(model, engine)

@@ -1,7 +1,8 @@
-"""The rows of a batch: values of the scene's moments and forces, one row a sample, and what Newton finds."""
+"""The rows of a batch: values of a scene's loads, one row a sample, and what Newton finds for them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NoReturn
@@ -11,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ancf.errors import InputError, Message
 from ancf.model import Model
-from ancf.scene import Force, Moment, Scene
+from ancf.scene import Force, Moment, Scene, Tendon
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class BatchLoads:
-    """Values in SCS of all moments and forces of a scene, a row for each sample.
+    """Values in SCS of all moments, forces and tensions of a scene, a row for each sample.
 
     `scene` has loads of the largest row in place of its own: a load that acts in some rows has a node in all.
     """
@@ -26,13 +27,14 @@ class BatchLoads:
     scene: Scene
     moments: Floats  # (B, moments of the scene, 3) N m
     forces: Floats  # (B, forces of the scene, 3) N
+    tensions: Floats  # (B, tendons of the scene) N
 
     def __len__(self) -> int:
         return len(self.moments)
 
     def row(self, index: int) -> Scene:
         """The scene of one row."""
-        return _with_values(self.scene, self.moments[index], self.forces[index])
+        return _with_values(self.scene, self.moments[index], self.forces[index], self.tensions[index])
 
     def under(self, model: Model, index: int) -> Model:
         """The model of one row; `model` is that of `scene`."""
@@ -40,22 +42,28 @@ class BatchLoads:
 
     def taken(self, rows: NDArray[np.intp]) -> BatchLoads:
         """Some of the rows."""
-        return replace(self, moments=self.moments[rows], forces=self.forces[rows])
+        parts = {name: getattr(self, name)[rows] for name in ("moments", "forces", "tensions")}
+        return replace(self, **parts)
 
     @cached_property
     def dimensionless(self) -> Floats:
-        """All values of a row as one vector (B, k): moments by E I/L, forces by E I/L^2."""
+        """All values of a row as one vector (B, k): moments by E I/L, forces by E I/L^2.
+
+        Tensions act as moments, on a lever of the section's size.
+        """
         moments = [self._unit(m) for m in self.scene.moments]
         forces = [self._unit(f) / self.scene.rod(f.rod).length for f in self.scene.forces]
+        tendons = [self._unit(t) / self.scene.rod(t.rod).section.outer_radius for t in self.scene.tendons]
         return np.concatenate(
             [
+                self.tensions / np.array(tendons),
                 (self.moments / np.reshape(moments, (-1, 1))).reshape(len(self), -1),
                 (self.forces / np.reshape(forces, (-1, 1))).reshape(len(self), -1),
             ],
             axis=1,
         )
 
-    def _unit(self, load: Moment | Force) -> float:
+    def _unit(self, load: Moment | Force | Tendon) -> float:
         rod = self.scene.rod(load.rod)
         part = rod.parts[0]
         return part.material.young_modulus * part.section.weaker_second_moment / rod.length
@@ -83,40 +91,45 @@ class RowsResult:
             whole[rows] = values
 
 
-def read_rows(scene: Scene, moments: ArrayLike | None, forces: ArrayLike | None) -> BatchLoads:
+def read_rows(
+    scene: Scene, moments: ArrayLike | None, forces: ArrayLike | None, tensions: ArrayLike | None = None
+) -> BatchLoads:
     """The rows of a batch from what the caller gives (batch.py).
 
     Raises `InputError` for no rows, a wrong shape, numbers that are not finite, or loads the scene has not.
     """
-    if moments is None and forces is None:
-        _refuse("The batch has no rows.", "moments, forces", "neither was given", "nothing to solve for")
-    tables = {
-        "moments": None if moments is None else _values("moments", moments, scene.moments),
-        "forces": None if forces is None else _values("forces", forces, scene.forces),
-    }
-    counts = {name: len(table) for name, table in tables.items() if table is not None}
+    given = {"moments": moments, "forces": forces, "tensions": tensions}
+    of_scene = {"moments": scene.moments, "forces": scene.forces, "tensions": scene.tendons}
+    tables = {name: _values(name, v, of_scene[name]) for name, v in given.items() if v is not None}
+    if not tables:
+        _refuse("The batch has no rows.", ", ".join(given), "none was given", "nothing to solve for")
+    counts = {name: len(table) for name, table in tables.items()}
     if len(set(counts.values())) > 1:
         text = ", ".join(f"{count} rows of {name}" for name, count in counts.items())
-        _refuse("The rows of the loads do not match.", "moments, forces", text, "each row is one sample")
+        _refuse("The rows of the loads do not match.", ", ".join(counts), text, "each row is one sample")
     rows = next(iter(counts.values()))
     filled = {}
     for name, loads in (("moments", scene.moments), ("forces", scene.forces)):
         values = np.tile(np.array([load.value for load in loads]).reshape(1, -1, 3), (rows, 1, 1))
-        given = tables[name]
-        if given is not None:
-            axes = [scene.load_axes(load) for load in loads[: given.shape[1]]]
-            values[:, : given.shape[1]] = np.einsum("lij,blj->bli", axes, given)
+        if name in tables:
+            table = tables[name]
+            axes = [scene.load_axes(load) for load in loads[: table.shape[1]]]
+            values[:, : table.shape[1]] = np.einsum("lij,blj->bli", axes, table)
         filled[name] = values
-    largest = [
+    pulls = np.tile([tendon.tension for tendon in scene.tendons], (rows, 1))
+    if "tensions" in tables:
+        pulls[:, : tables["tensions"].shape[1]] = tables["tensions"][..., 0]
+    most_bent, most_pushed = (
         values[np.argmax(np.linalg.norm(values, axis=-1), axis=0), np.arange(values.shape[1])]
         for values in filled.values()
-    ]
-    return BatchLoads(_with_values(scene, *largest), **filled)
+    )
+    largest = _with_values(scene, most_bent, most_pushed, pulls.max(axis=0))
+    return BatchLoads(largest, **filled, tensions=pulls)
 
 
-def _values(name: str, given: ArrayLike, loads: tuple[Moment, ...] | tuple[Force, ...]) -> Floats:
-    """Values (B, k, 3) of the first k loads, as given, checked."""
-    kind = name[:-1]
+def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon]) -> Floats:
+    """Values (B, k, 3) of the first k loads, as given, checked; of tensions (B, k, 1)."""
+    kind, components = ("tendon", 1) if name == "tensions" else (name[:-1], 3)
     if not loads:
         _refuse(
             f"The scene has no {kind} for the rows of a batch.", name, f"no [[{kind}]] in the scene",
@@ -129,12 +142,15 @@ def _values(name: str, given: ArrayLike, loads: tuple[Moment, ...] | tuple[Force
             f"The {name} of the batch are no numbers.", name, str(error), "rows of unequal length, or text"
         )
     shape = " or ".join(dict.fromkeys(("(B, 3)", f"(B, {len(loads)}, 3)")))
+    if components == 1:
+        shape = " or ".join(dict.fromkeys(("(B,)", f"(B, {len(loads)})")))
+        values = values[..., None]
     values = values[:, None] if values.ndim == 2 else values
-    if values.ndim != 3 or values.shape[-1] != 3 or values.shape[1] not in (1, len(loads)):
+    if values.ndim != 3 or values.shape[-1] != components or values.shape[1] not in (1, len(loads)):
         _refuse(
             f"The {name} of the batch have the wrong shape.", name,
             f"shape {np.shape(given)}, must be {shape}",
-            "one row a sample, three components a load; (B, 3) are rows for the first one",
+            f"one row a sample; {shape.split(' or ')[0]} are rows for the first {kind}",
             "add the axis of rows: values[None]",
         )  # fmt: skip
     if len(values) == 0:
@@ -146,14 +162,23 @@ def _values(name: str, given: ArrayLike, loads: tuple[Moment, ...] | tuple[Force
             f"{values[bad[0]].tolist()} in {len(bad)} of {len(values)} rows",
             "a division by zero or missing data where the rows were made", "remove these rows",
         )  # fmt: skip
+    if components == 1 and values.min() < 0.0:
+        row = int(np.argmin(values.min(axis=(1, 2))))
+        _refuse(
+            "A tendon cannot push.", f"{name}[{row}]", f"tension {values[row].min():g} N, must be >= 0",
+            "a sign, or a sweep that begins below zero", "take the tendon on the other side instead",
+        )  # fmt: skip
     return values
 
 
-def _with_values(scene: Scene, moments: Floats, forces: Floats) -> Scene:
+def _with_values(scene: Scene, moments: Floats, forces: Floats, tensions: Floats) -> Scene:
     return replace(
         scene,
         moments=tuple(replace(m, value=value) for m, value in zip(scene.moments, moments, strict=True)),
         forces=tuple(replace(f, value=value) for f, value in zip(scene.forces, forces, strict=True)),
+        tendons=tuple(
+            replace(t, tension=float(value)) for t, value in zip(scene.tendons, tensions, strict=True)
+        ),
     )
 
 

@@ -276,7 +276,11 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "moment": scene.moments,
         "force": scene.forces,
         "line_load": scene.line_loads,
+        "line_moment": scene.line_moments,
+        "magnet": scene.magnets,
         "gravity": (scene.gravity,) if scene.gravity else (),
+        "tendon": scene.tendons,
+        "pressure": scene.pressures,
         "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}

@@ -135,6 +135,9 @@ def unsupported(model: Model) -> str:
         return "The fused kernel takes no assumed strains."
     if not isinstance(rod.elastic.section, QuadraticSection):
         return "The fused kernel knows Saint Venant-Kirchhoff material only."
+    known = {"moment", "force", "gravity", "line_load"}
+    if unknown := sorted({effect.name for effect in model.effects} - known):
+        return f"The fused kernel knows no {' and no '.join(unknown)}."
     if any(load.direction != "fixed" for load in scene.line_loads):
         return "The fused kernel knows dead line loads only."
     if any(load.definition != "section" for load in scene.moments):

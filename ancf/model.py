@@ -45,7 +45,16 @@ def _effect_name(pair: tuple[Effect, NDArray[np.intp]]) -> str:
 
 
 # Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
-EFFECT_MODULES = {"moments": "moment", "forces": "force", "line_loads": "line_load", "gravity": "gravity"}
+EFFECT_MODULES = {
+    "moments": "moment",
+    "forces": "force",
+    "line_loads": "line_load",
+    "line_moments": "line_moment",
+    "gravity": "gravity",
+    "magnets": "magnet",
+    "tendons": "tendon",
+    "pressures": "pressure",
+}
 
 
 # E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod

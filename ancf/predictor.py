@@ -14,6 +14,7 @@ in the section's own axes. Other loads: the Kirchhoff chain of rod_start.py.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rod_start import Chain, between_nodes, nodal_loads
 from ancf.rotation import exp, log
-from ancf.scene import Moment, Rod
+from ancf.scene import Moment, Rod, Scene
 
 Floats = NDArray[np.float64]
 
@@ -52,9 +53,13 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
             continue
         moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         loads = nodal_loads(model.scene, rod)
-        frames, axial_strain = _frames_by_moments(rod, moments), None
-        if loads.forces or (moments and frames is None):
+        actuation = _actuation(model.scene, rod)
+        spread = any(load.rod == rod.rod.name for load in model.scene.line_moments)
+        frames, axial_strain = None if spread else _frames_by_moments(rod, moments), None
+        if loads.forces or actuation.any() or ((moments or spread) and frames is None):
             chain = _chain(rod)
+            if actuation.any():
+                chain = replace(chain, k_0=chain.k_0 + actuation)
             starts = [chain.R_0] if frames is None else [chain.R_0, frames]
             shapes = (chain.equilibrium(loads, R, deadline) for R in starts)
             shape = next((shape for shape in shapes if shape is not None), None)
@@ -131,6 +136,31 @@ def _chain(rod: RodModel) -> Chain:
         held=rod.node_at(rod.rod.supports[0].at),
         unit=rod.bending_stiffness / rod.rod.length,
     )
+
+
+def _actuation(scene: Scene, rod: RodModel) -> Floats:
+    """Curvature (n_nodes - 1, 3) that tendons and chambers give the rod between its nodes.
+
+    Their couples (0, z N, -y N) turn with the sections: N = -T of a tension, p A of a chamber, at (y, z).
+    """
+    x = rod.mesh.node_x
+    middle = 0.5 * (x[:-1] + x[1:]) / rod.rod.length
+    moment = np.zeros((len(middle), 3))
+    for tendon in scene.tendons:
+        if tendon.rod == rod.rod.name:
+            at, y, z = tendon.path.T
+            inside = tendon.tension * ((middle > at[0]) & (middle < at[-1]))
+            moment[:, 1] -= inside * np.interp(middle, at, z)
+            moment[:, 2] += inside * np.interp(middle, at, y)
+    for chamber in scene.pressures:
+        if chamber.rod == rod.rod.name:
+            inside = (middle > chamber.start) & (middle < chamber.end)
+            thrust = chamber.value * math.pi * chamber.radius**2 * inside
+            moment[:, 1] += thrust * chamber.centre[1]
+            moment[:, 2] -= thrust * chamber.centre[0]
+    if not moment.any():
+        return moment
+    return np.einsum("nij,nj->ni", compliance_between_nodes(rod), moment)
 
 
 def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Floats:

@@ -109,6 +109,10 @@ def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
         if load.rod == name:
             target = force if load.direction == "fixed" else turning_force
             target += span * load.value
+    for load in scene.line_moments:
+        if load.rod == name:
+            target = moment if load.direction == "fixed" else turning_moment
+            target += span * load.value
     if scene.gravity is not None:
         weight = half * between_nodes(rod, lambda section, law: (law.density or 0.0) * section.area)
         force += (np.append(weight, 0.0) + np.insert(weight, 0, 0.0))[:, None] * scene.gravity.acceleration

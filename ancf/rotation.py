@@ -101,34 +101,36 @@ class SectionRotation:
         return np.swapaxes(self.G_inverse[..., None, :, :] @ hat(self.RW), -3, -2)
 
     def couple(self, M: Floats) -> Floats:
-        """Generalised forces (directors, 3) of a moment M (3,) [N m] on one section: Q_k = mu x (R W_k).
+        """Generalised forces (..., directors, 3) of moments M (..., 3) [N m]: Q_k = mu x (R W_k).
 
         mu = G^-1 M; the power sum_k Q_k . dd_k is M . dw.
         """
-        mu = self.G_inverse @ M
-        return self.RW @ hat(mu).T
+        mu = (self.G_inverse @ M[..., None])[..., 0]
+        return self.RW @ np.swapaxes(hat(mu), -1, -2)
 
     def couple_tangent(self, M: Floats, dM: Floats | float, dw: Floats) -> Floats:
-        """Change of `couple` (3 directors, 3 directors), by row and column the components of the directors.
+        """Change of `couple` (..., 3 directors, 3 directors), by row and column the directors' components.
 
             dmu = G^-1 (dM - dG mu),   dG = tr(dV) I - dV,   dV = sum_k dd_k (R W_k)^T - V hat(dw).
 
         Parameters
         ----------
-        M : moment (3,) [N m]
-        dM : its change with the directors (3, 3 directors); 0.0 for a moment fixed in space
-        dw : the spin, reshaped to (3, 3 directors)
+        M : moments (..., 3) [N m]
+        dM : their change with the directors (..., 3, 3 directors); 0.0 for moments fixed in space
+        dw : the spin, reshaped to (..., 3, 3 directors)
         """
-        RW, directors = self.RW, len(self.RW)
-        mu = self.G_inverse @ M
-        hat_mu, hat_RW = hat(mu), hat(RW)
-        dV_mu = (np.eye(3)[:, None] * (RW @ mu)[:, None]).reshape(3, -1) + self.V @ hat_mu @ dw
+        RW = self.RW
+        *lead, directors, _ = RW.shape
+        mu = (self.G_inverse @ M[..., None])[..., 0]
+        along = np.eye(3)[:, None] * (RW @ mu[..., None])[..., None, :, :]
+        dV_mu = along.reshape(*lead, 3, 3 * directors) + self.V @ hat(mu) @ dw
         # tr(dV) = sum_k RW_k . dd_k: the trace of the symmetric V times a skew matrix is zero.
-        dG_mu = np.outer(mu, RW) - dV_mu
+        dG_mu = mu[..., None] * RW.reshape(*lead, 1, 3 * directors) - dV_mu
         dmu = self.G_inverse @ (dM - dG_mu)
         # Q_l = mu x RW_l, RW_l turns with dw.
-        dQ = -hat_RW @ dmu - hat_mu @ hat_RW @ dw
-        return dQ.reshape(3 * directors, -1)
+        hat_RW = hat(RW)
+        dQ = -hat_RW @ dmu[..., None, :, :] - hat(mu)[..., None, :, :] @ hat_RW @ dw[..., None, :, :]
+        return dQ.reshape(*lead, 3 * directors, 3 * directors)
 
 
 def section_rotation(d: Floats, W: Floats) -> SectionRotation:

@@ -180,6 +180,53 @@ class LineLoad:
 
 
 @dataclass(frozen=True, eq=False)
+class LineMoment:
+    """A moment per reference length [N m/m] on the sections of a whole rod; as in `Moment`."""
+
+    rod: str
+    value: NDArray[np.float64]
+    direction: str = "fixed"
+    frame: str = "structure"
+
+
+@dataclass(frozen=True, eq=False)
+class Magnet:
+    """A magnetised rod in a uniform field: remanence [T] in section axes, flux density [T] in SCS."""
+
+    rod: str
+    remanence: NDArray[np.float64]
+    field: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Tendon:
+    """A tendon without friction, pulled by a tension [N] along its path (points, 3) of [at, y, z].
+
+    `at` is a fraction of the reference length, rising; y and z [m] are coordinates in the section, linear in
+    between.
+    """
+
+    rod: str
+    tension: float
+    path: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """Gauge pressure [Pa] in a closed round chamber along a rod, between two fractions of its length.
+
+    `centre` (2,) and `radius` [m] are those of the chamber in the reference section.
+    """
+
+    rod: str
+    value: float
+    centre: NDArray[np.float64]
+    radius: float
+    start: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -251,13 +298,17 @@ class Scene:
     moments: tuple[Moment, ...] = ()
     forces: tuple[Force, ...] = ()
     line_loads: tuple[LineLoad, ...] = ()
+    line_moments: tuple[LineMoment, ...] = ()
+    magnets: tuple[Magnet, ...] = ()
     gravity: Gravity | None = None
+    tendons: tuple[Tendon, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""
 
-    def load_axes(self, load: Moment | Force | LineLoad) -> NDArray[np.float64]:
+    def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""
         return self.rod(load.rod).base.rotation if load.frame == "body" else np.eye(3)
 

@@ -23,15 +23,33 @@ from ancf.scene_loads import (
     read_force,
     read_gravity,
     read_line_load,
+    read_line_moment,
+    read_magnet,
     read_moment,
     read_solver,
     read_stability,
 )
+from ancf.scene_pressures import read_pressure
 from ancf.scene_rods import default_name, read_rod
 from ancf.scene_table import Table
+from ancf.scene_tendons import read_tendon
 
-SCENE_KEYS = ("title", "rod", "moment", "force", "gravity", "line_load", "joint", "solver", "stability")
-LATER_KEYS = ("tendon", "pressure", "contact")
+SCENE_KEYS = (
+    "title",
+    "rod",
+    "moment",
+    "force",
+    "gravity",
+    "line_load",
+    "line_moment",
+    "magnet",
+    "tendon",
+    "pressure",
+    "joint",
+    "solver",
+    "stability",
+)
+LATER_KEYS = ("contact",)
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -115,7 +133,11 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
         forces=tuple(read_force(entry, rods) for entry in table.tables("force")),
         line_loads=tuple(read_line_load(entry, rods) for entry in table.tables("line_load")),
+        line_moments=tuple(read_line_moment(entry, rods) for entry in table.tables("line_moment")),
+        magnets=tuple(read_magnet(entry, rods) for entry in table.tables("magnet")),
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
+        tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
+        pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
         joints=read_joints(table.tables("joint"), entries, rods),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,

@@ -10,15 +10,27 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, SolverOptions, StabilityOptions
+from ancf.scene import (
+    Force,
+    Gravity,
+    LineLoad,
+    LineMoment,
+    Magnet,
+    Moment,
+    Rod,
+    SolverOptions,
+    StabilityOptions,
+)
 from ancf.scene_cable import refuse_on_cable
 from ancf.scene_table import FRACTION, Limit, Table
 from ancf.units import (
     ACCELERATION,
+    FLUX_DENSITY,
     FORCE,
     FORCE_PER_LENGTH,
     LENGTH,
     MOMENT,
+    MOMENT_PER_LENGTH,
     NUMBER,
     TIME,
     Dimension,
@@ -89,6 +101,28 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
         frame=_frame(table),
         direction=_direction(table, rod),
     )
+
+
+def read_line_moment(table: Table, rods: Sequence[Rod]) -> LineMoment:
+    """Read one `[[line_moment]]`."""
+    table.expect_keys(("rod", "value", "frame", "direction"))
+    rod = _rod_of(table, rods)
+    refuse_on_cable(table, rod, "rod", "A cable carries no moments.", "it has no sections to turn")
+    return LineMoment(
+        rod=rod.name,
+        value=_value(table, rod, MOMENT_PER_LENGTH),
+        frame=_frame(table),
+        direction=table.word("direction", DIRECTIONS, "fixed"),
+    )
+
+
+def read_magnet(table: Table, rods: Sequence[Rod]) -> Magnet:
+    """Read one `[[magnet]]`: remanence of the rod in its section axes, flux density of the field in SCS."""
+    table.expect_keys(("rod", "remanence", "field"))
+    rod = _rod_of(table, rods)
+    refuse_on_cable(table, rod, "rod", "A cable is no magnet.", "it has no sections that a couple could turn")
+    remanence, field = (table.vector(key, 3, FLUX_DENSITY) for key in ("remanence", "field"))
+    return Magnet(rod.name, remanence, field)
 
 
 def read_gravity(table: Table, rods: Sequence[Rod], source: str) -> Gravity:

@@ -27,7 +27,13 @@ from ancf.scene import Rod, Scene
 
 Floats = NDArray[np.float64]
 
-LOADS = {"moment": "moments", "force": "forces", "line_load": "line_loads"}
+LOADS = {
+    "moment": "moments",
+    "force": "forces",
+    "line_load": "line_loads",
+    "line_moment": "line_moments",
+    "tension": "tendons",
+}
 # Of the parameter (or of 1/L, for curvature). Its fourth power times A L^2/I, the stiffness of the axis in
 # units of that of bending, is what truncation leaves; rounding leaves eps A L^2/I over it.
 STEP = 2e-4
@@ -50,13 +56,13 @@ def sensitivity(
     ----------
     q, load_factor : the equilibrium (n,)
     parameter : "moment", "force", "line_load" (by the value of the table `index` of the scene, in its own
-        frame) or "gravity"; or a number of the rod: "young_modulus", "poisson_ratio", "density", "length",
-        "curvature", or a size of its section ("radius", "height_y", ...)
+        frame), "tension" (of the tendon `index`) or "gravity"; or a number of the rod: "young_modulus",
+        "poisson_ratio", "density", "length", "curvature", or a size of its section ("radius", ...)
     rod : whose tip, and whose number; by default the rod of the load, else the first
 
     Returns
     -------
-    (12, 3) for loads and curvature, else (12,), in SI units; loads act times the load factor.
+    (12, 3) for loads and curvature, (12,) for numbers, in SI units; loads act times the load factor.
 
     Raises
     ------
@@ -70,7 +76,7 @@ def sensitivity(
     if parameter in LOADS or parameter == "gravity":
         dq = model.system.solve(lu, load_factor * load_forces(model, q, parameter, index))
         dofs, P = pose_map(observed)
-        return P @ dq[dofs]
+        return P @ (dq[dofs, 0] if parameter == "tension" else dq[dofs])
     columns = []
     for change, step in _changes(observed.rod, parameter):
         g, pose = _explicit(model, q, load_factor, name, change, step)
@@ -80,8 +86,8 @@ def sensitivity(
 
 
 def load_forces(model: Model, q: Floats, parameter: str, index: int = 0) -> Floats:
-    """Generalised forces (n, 3) at q (n,) of the unit values of a load, in the frame of its table."""
-    forces = np.zeros((model.n, 3))
+    """Generalised forces (n, 3) at q (n,) of the unit values of a load, in its frame; (n, 1) of a tension."""
+    forces = np.zeros((model.n, 1 if parameter == "tension" else 3))
     for axis, scene in enumerate(_unit_loads(model.scene, parameter, index)):
         for effect in load_effects(scene, model.rods):
             e = q[effect.dofs].reshape(len(effect.dofs), -1, 3)
@@ -99,10 +105,14 @@ def _unit_loads(scene: Scene, parameter: str, index: int) -> Iterator[Scene]:
         return
     loads = getattr(scene, LOADS[parameter])
     if not -len(loads) <= index < len(loads):
+        table = "tendon" if parameter == "tension" else parameter
         _refuse(
-            f"The scene has no such {parameter}.", f'sensitivity("{parameter}"), index = {index}',
-            f"it has {len(loads)} [[{parameter}]] tables",
+            f"The scene has no such {table}.", f'sensitivity("{parameter}"), index = {index}',
+            f"it has {len(loads)} [[{table}]] tables",
         )  # fmt: skip
+    if parameter == "tension":
+        yield replace(Scene(scene.rods), tendons=(replace(loads[index], tension=1.0),))
+        return
     for unit in scene.load_axes(loads[index]).T:
         yield replace(Scene(scene.rods), **{LOADS[parameter]: (replace(loads[index], value=unit),)})
 

@@ -207,6 +207,13 @@ class Solution:
         found = [joint.forces(self.q[joint.dofs], self.load_factor) for joint in joints.models]
         return [JointForces(j, *pair) for j, pair in zip(self.scene.joints, found, strict=True)]
 
+    def tendon_lengths(self) -> list[float]:
+        """Length [m] of each tendon of the scene."""
+        from ancf.effects.tendon import PulledTendon
+
+        found = [effect for effect in self.model.effects if isinstance(effect, PulledTendon)]
+        return [tendon.length(self.q[tendon.dofs].reshape(len(tendon.dofs), -1, 3)) for tendon in found]
+
     def section_forces(self, name: str | None = None) -> SectionForces:
         """Section force and moment along the rod."""
         rod = self._rod(name)
@@ -329,6 +336,11 @@ class Solution:
         }
         if self.accuracy is not None:
             result["accuracy"] = self.accuracy.as_dict()
+        if self.scene.tendons:
+            result["tendons"] = [
+                {"rod": tendon.rod, "tension": tendon.tension * self.load_factor, "length": length}
+                for tendon, length in zip(self.scene.tendons, self.tendon_lengths(), strict=True)
+            ]
         if self.scene.joints:
             result["joints"] = [carried.as_dict() for carried in self.joints]
         if self.stability is not None:

@@ -30,6 +30,8 @@ FORCE = Dimension("force", "N", '"200 mN"')
 MOMENT = Dimension("moment", "N m", '"3 N mm"')
 FORCE_PER_LENGTH = Dimension("force per length", "N/m", '"1 N/cm"')
 ACCELERATION = Dimension("acceleration", "m/s^2", '"9.81 m/s^2"')
+MOMENT_PER_LENGTH = Dimension("moment per length", "N", '"3 N mm/m"')
+FLUX_DENSITY = Dimension("magnetic flux density", "T", '"50 mT"')
 CURVATURE = Dimension("curvature", "1/m", '"0.1 1/cm"')
 TIME = Dimension("time", "s", '"10 min"')
 

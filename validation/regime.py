@@ -97,7 +97,7 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
     """Families of the loads on a rod, "follower" in front; loads of zero are none.
 
     bending, torsion (moments across and along the base's axis), force, axial tension, axial compression (all
-    of it along the axis, positive at the end away from it), line load, gravity.
+    of it along the axis, positive at the end away from it), line load, tendon, pressure, gravity.
     """
     found = set()
     axis = rod.base.rotation[:, 0]
@@ -118,6 +118,8 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
         for load in scene.line_loads
         if load.rod == rod.name and _norm(load.value)
     }
+    found |= {"tendon" for tendon in scene.tendons if tendon.rod == rod.name and tendon.tension}
+    found |= {"pressure" for chamber in scene.pressures if chamber.rod == rod.name and chamber.value}
     return sorted(found | ({"gravity"} if scene.gravity is not None else set()))
 
 

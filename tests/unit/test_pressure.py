@@ -1,0 +1,157 @@
+"""Chambers under pressure: Lame's tube, thrust and bending, exact derivatives, balance, refusals."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ancf
+from ancf.model import Model
+from ancf.rotation import exp
+
+L, RADIUS, BORE, YOUNG = 0.1, 0.01, 0.006, 1e6
+TUBE = {"shape": "annulus", "radius": RADIUS, "inner_radius": BORE}
+WALL = np.pi * (RADIUS**2 - BORE**2)
+EI = YOUNG * np.pi * RADIUS**4 / 4
+
+
+def scene(rod=None, **tables):
+    data = {
+        "length": L, "elements": 6, "section": {"shape": "circle", "radius": RADIUS},
+        "material": {"young_modulus": YOUNG, "poisson_ratio": 0.3, "density": 1000.0},
+    } | (rod or {})  # fmt: skip
+    return ancf.scene_from_dict({"rod": [data], **tables})
+
+
+def chamber(value=1e3, radius=0.003, centre=(0.0, 0.0), **keys):
+    return {"pressure": [{"value": value, "chamber": {"centre": list(centre), "radius": radius}, **keys}]}
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
+@pytest.mark.parametrize("element", ["3333", "3243", "3363"])
+def test_a_closed_tube_follows_lame(element, nu):
+    """Axial strain p a^2 (1 - 2 nu)/(E (b^2 - a^2)) of a thick tube with end caps (Lame)."""
+    p = 1.0  # small: the law of Lame is linear
+    free = [{"at": 0.0, "kind": "free_section_clamp"}]
+    material = {"young_modulus": YOUNG, "poisson_ratio": nu}
+    # Quadratic sections bend the end caps: fine elements keep that layer at the ends.
+    elements = 24 if element == "3363" else 6
+    tube = {"section": TUBE, "element": element, "elements": elements, "material": material, "supports": free}
+    solution = ancf.solve(scene(tube, **chamber(p, BORE)))
+    exact = p * BORE**2 * (1 - 2 * nu) / (YOUNG * (RADIUS**2 - BORE**2))
+    way = solution.pose(None, 2 / 3).position - solution.pose(None, 1 / 3).position
+    assert way[0] / (L / 3) - 1.0 == pytest.approx(exact, rel=1e-4, abs=1e-12)
+
+
+def test_a_chamber_off_the_axis_bends_the_rod():
+    """kappa = p A_c e/(E I), at nu = 0 and small strain (thin rod, closed form)."""
+    p, e, a = 50.0, 0.005, 0.003
+    material = {"young_modulus": YOUNG, "poisson_ratio": 0.0}
+    solution = ancf.solve(scene({"material": material}, **chamber(p, a, (e, 0.0))))
+    kappa = p * np.pi * a**2 * e / EI
+    # The end cap pushes at +y: the rod bends away from it, to -y.
+    assert solution.tip().position[1] == pytest.approx(-kappa * L**2 / 2, rel=2e-3)
+    turned = ancf.solve(scene({"material": material}, **chamber(p, a, (0.0, e))))
+    assert turned.tip().position[2] == pytest.approx(solution.tip().position[1], rel=1e-9)
+
+
+def test_part_of_the_rod():
+    """Only the part with the chamber bends: the rest goes on straight, wherever elements end."""
+    material = {"young_modulus": YOUNG, "poisson_ratio": 0.0}
+    keys = {"from": 0.21, "to": 0.63}
+    solution = ancf.solve(
+        scene({"material": material, "elements": 60}, **chamber(500.0, 0.003, (0.005, 0.0), **keys))
+    )
+    kappa = 500.0 * np.pi * 0.003**2 * 0.005 / EI
+    angle = np.arctan2(solution.tip().rotation[1, 0], solution.tip().rotation[0, 0])
+    assert angle == pytest.approx(-kappa * 0.42 * L, rel=1e-2)
+
+
+@pytest.mark.parametrize("element", ["3333", "3243", "3363"])
+def test_force_and_tangent_are_derivatives(element):
+    """Q = -dV/de and K = dQ/de by central differences, at a random state."""
+    tables = chamber(1e4, 0.003, (0.002, 0.004), **{"from": 0.1, "to": 0.77})
+    model = Model(scene({"element": element, "curvature": [3.0, 5.0, -2.0]}, **tables))
+    (effect,) = model.effects
+    rng = np.random.default_rng(3)
+    e = model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)
+    units = model.unit[effect.dofs].reshape(len(effect.dofs), -1, 3)
+    e = e + 0.05 * rng.uniform(-1, 1, e.shape) * units
+    way, h = rng.uniform(-1, 1, e.shape) * units, 1e-5
+    Q, K = effect.force_and_tangent(e)
+    np.testing.assert_array_equal(Q, effect.force(e))
+    slope = (effect.potential(e + h * way) - effect.potential(e - h * way)) / (2 * h)
+    assert -np.sum(Q * way) == pytest.approx(slope, rel=1e-7)
+    change = (effect.force(e + h * way) - effect.force(e - h * way)) / (2 * h)
+    found = np.einsum("mij,mj->mi", K, way.reshape(len(K), -1)).reshape(change.shape)
+    np.testing.assert_allclose(found, change, rtol=0, atol=1e-7 * np.abs(change).max())
+    np.testing.assert_allclose(K, np.swapaxes(K, 1, 2), rtol=0, atol=1e-12 * np.abs(K).max())
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-2, 2), min_size=6, max_size=6))
+def test_pressure_turns_with_the_rod(numbers):
+    """A rigid motion changes no volume; forces turn with it and balance: the chamber is closed."""
+    model = Model(scene({"curvature": [3.0, 5.0, -2.0]}, **chamber(1e4, 0.003, (0.002, 0.004))))
+    (effect,) = model.effects
+    q = model.q0.reshape(-1, 3)
+    turn, shift = exp(np.array(numbers[:3])), np.array(numbers[3:])
+    moved = q @ turn.T
+    moved[::3] += shift  # r, r_y, r_z of each node
+    blocks = [state.ravel()[effect.dofs].reshape(len(effect.dofs), -1, 3) for state in (q, moved)]
+    assert effect.volume(blocks[1]) == pytest.approx(effect.volume(blocks[0]), rel=1e-12)
+    forces = [effect.force(e) for e in blocks]
+    size = np.abs(forces[0]).max()
+    np.testing.assert_allclose(forces[1], forces[0] @ turn.T, rtol=0, atol=1e-11 * size)
+    np.testing.assert_allclose(forces[0][:, ::3].sum(axis=(0, 1)), 0.0, atol=1e-12 * size)
+    np.testing.assert_allclose(np.cross(blocks[0], forces[0]).sum(axis=(0, 1)), 0.0, atol=1e-12 * size)
+
+
+def test_the_volume_of_a_bent_chamber():
+    """Pappus: area times the way of its centre, (1 - kappa y_c) L, on the reference arc."""
+    model = Model(scene({"curvature": [0, 0, 4.0], "elements": 12}, **chamber(0.0, 0.003, (0.005, 0.0))))
+    (effect,) = model.effects
+    volume = effect.volume(model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3))
+    assert volume == pytest.approx(np.pi * 0.003**2 * (1 - 4.0 * 0.005) * L, rel=1e-6)
+
+
+def test_no_pressure_changes_nothing():
+    tables = {"force": [{"value": [0, 0.5 * EI / L**2, 0]}]}
+    with_it, without = ancf.solve(scene(**tables, **chamber(0.0))), ancf.solve(scene(**tables))
+    np.testing.assert_array_equal(with_it.q, without.q)
+    assert "pressure" not in without.effects and with_it.effects["pressure"]["calls"] > 0
+
+
+def test_a_finger_of_rubber():
+    """Large bending, from vacuum to pressure: converged, bent to either side, in one step each."""
+    rubber = {"law": "neo-hookean", "young_modulus": YOUNG, "poisson_ratio": 0.45}
+    tips = []
+    for value in ("-60 kPa", "60 kPa"):
+        solution = ancf.solve(scene({"material": rubber}, **chamber(value, 0.003, (0.005, 0.0))))
+        assert solution.status == "converged" and solution.stable
+        tips.append(solution.tip().position)
+    assert tips[0][1] > 0.02 * L and tips[1][1] < -0.02 * L
+
+
+BAD = {
+    "too large": ({"radius": 0.0101}, "larger than the section"),
+    "off the section": ({"centre": (0.008, 0.0)}, "larger than the section"),
+    "no radius": ({"radius": 0.0}, "radius"),
+    "no length": ({"from": 0.5, "to": 0.5}, "no length"),
+    "beyond the rod": ({"to": 1.5}, "to"),
+    "another rod": ({"rod": "leg"}, "leg"),
+    "misspelt": ({"vlaue": 1.0}, "value"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_chambers_are_refused(name):
+    keys, hint = BAD[name]
+    with pytest.raises(ancf.SceneError) as refused:
+        scene(**chamber(**keys))
+    assert hint in str(refused.value)
+
+
+def test_a_chamber_is_needed():
+    with pytest.raises(ancf.SceneError, match="chamber"):
+        scene(pressure=[{"value": 1.0}])
