@@ -291,13 +291,16 @@ def _floor(model: Model) -> float:
     (rod,) = model.rods
     _, flat = model.residual_and_tangent(model.q0, 0.0)
     b, n = model.pattern.b, model.n
-    band = flat.reshape(3 * b + 1, n)[b:]
     size = np.linalg.norm((model.q0 / model.unit).reshape(rod.q0.shape), axis=2)
     size[:, rod.element.vectors.index((0, 0, 0))] = rod.mesh.node_x / rod.rod.length
-    squares = np.zeros((n // 3, n // 3))
+    reach = b // 3 + 1  # of a block, in blocks
+    squares = np.zeros((2 * reach + 1, n // 3))
     for offset in range(-b, b + 1):
         columns = np.arange(max(0, -offset), min(n, n - offset))
         rows = columns + offset
-        entries = band[b + offset, columns] * model.unit[columns] / model.force_unit[rows]
-        np.add.at(squares, (rows // 3, columns // 3), entries**2)
-    return FLOOR_FACTOR * float(np.finfo(float).eps) * float(np.max(np.sqrt(squares) @ size.ravel()))
+        entries = flat[model.pattern.slots(rows, columns)] * model.unit[columns] / model.force_unit[rows]
+        np.add.at(squares, (rows // 3 - columns // 3 + reach, columns // 3), entries**2)
+    row_sums = np.zeros(n // 3 + 2 * reach)
+    for shift, norms in enumerate(np.sqrt(squares) * size.ravel()):
+        row_sums[shift : shift + n // 3] += norms
+    return FLOOR_FACTOR * float(np.finfo(float).eps) * float(row_sums.max())
