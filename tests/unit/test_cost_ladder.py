@@ -49,6 +49,7 @@ def test_a_ladder_without_an_order_claims_its_last_difference(values, bar):
     assert found is not None
     assert found.value[0] == values[-1]
     assert found.bar == pytest.approx(bar)
+    assert found.order is None or 0.0 < found.order < 1.0
 
 
 def test_unequal_ratios_have_no_order():
@@ -93,6 +94,8 @@ def test_a_quarter_circle_is_judged_by_its_own_ladder():
     )
     tip = ancf.solve(ancf.scene_from_dict(fine)).tip().position / 0.4
     assert np.linalg.norm(tip - own.limit.value) <= own.limit.bar
+    for point in own.points:
+        assert point.error == point.discretisation + own.limit.bar
     for target in ladder.TARGETS:
         need = own.need(target)
         assert need is not None

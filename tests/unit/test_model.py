@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ancf import rod_model
 from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import EFFECT_MODULES, Model
@@ -110,6 +111,24 @@ def test_numerical_tangent_option_gives_the_same_matrix(name):
     for found in (forces, other):
         np.testing.assert_array_equal(found.Q_ext, plain.Q_ext)
         np.testing.assert_allclose(found.Q_int, plain.Q_int, atol=1e-13 * np.abs(plain.Q_int).max())
+
+
+@every_element
+@pytest.mark.parametrize("tangent", ["analytic", "finite-difference"])
+def test_a_rod_in_pieces_is_the_rod(name, tangent, monkeypatch):
+    """Kernels that run over a few elements at a time give what they give at once."""
+    scene = two_rods(name, tangent=tangent)
+    whole = Model(scene)
+    q = whole.q0 + 1e-2 * whole.unit * np.random.default_rng(3).standard_normal(whole.n)
+    q_previous = whole.q0 + 0.5 * (q - whole.q0)
+    wanted, K = whole.residual_and_tangent(q, 0.7, q_previous)
+    monkeypatch.setattr(rod_model, "PIECE", 2)
+    pieces = Model(scene)
+    assert [len(rod.pieces) for rod in whole.rods] == [1, 1]
+    assert len(pieces.rods[1].pieces) == 2  # its elements are alike, those of the other rod are not
+    found, K_pieces = pieces.residual_and_tangent(q, 0.7, q_previous)
+    for one, other in ((wanted.Q_int, found.Q_int), (wanted.Q_ext, found.Q_ext), (K, K_pieces)):
+        np.testing.assert_allclose(other, one, rtol=0, atol=1e-13 * np.abs(one).max())
 
 
 @every_section

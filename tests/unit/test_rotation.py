@@ -37,6 +37,13 @@ def test_logarithm_is_scipys(v):
     np.testing.assert_allclose(exp(found), R, atol=1e-14)
 
 
+@pytest.mark.parametrize("angle", [1e-9, 1e-6, 9e-5, 1.1e-4, 2.09, 2.1])
+def test_logarithm_keeps_its_digits_where_its_formulas_meet(angle):
+    """On both sides of the series for small angles and of 120 degrees."""
+    v = angle * np.array([0.6, 0.0, -0.8])
+    np.testing.assert_allclose(log(exp(v)), v, rtol=0, atol=1e-12 * angle)
+
+
 def test_batches_are_the_single_results():
     """To rounding: numpy adds up in another order in another shape. Angles on both sides of 120 degrees."""
     v = np.random.default_rng(0).normal(size=(2, 3, 3))

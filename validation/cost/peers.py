@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.cost import peer_soromox
 from validation.cost.families import Family, Reference
 from validation.cost.points import ENOUGH, CostPoint, elements_text
 from validation.scenes import changed, stiffness_of
@@ -39,7 +40,7 @@ class PeerAnswer:
     solve: float
 
 
-def absent_peers(family: Family) -> list[str]:
+def absent_peers(family: Family, full: bool) -> list[str]:
     """Why a peer is not on the axes of a family, in words."""
     reasons = []
     if not installed("exudyn"):
@@ -51,8 +52,15 @@ def absent_peers(family: Family) -> list[str]:
     if not installed("soromox"):
         reasons.append("soromox: not installed (it needs jax)")
     else:
-        reasons.append("soromox: installed, but this version has no adapter for it")
+        reasons += soromox_reasons(family, full)
     return reasons
+
+
+def soromox_reasons(family: Family, full: bool) -> list[str]:
+    """Why Soromox, although installed, is not on the axes of a family; [] where it is."""
+    if family.name not in peer_soromox.FAMILIES:
+        return [f"soromox: taken for {' and '.join(peer_soromox.FAMILIES)} only"]
+    return [] if full else ["soromox: compiles half a minute for every mesh; in the full run"]
 
 
 def installed(package: str) -> bool:
@@ -61,9 +69,11 @@ def installed(package: str) -> bool:
 
 
 def peer_points(
-    family: Family, reference: Reference, meshes: tuple[int, ...], repeats: int
+    family: Family, reference: Reference, meshes: tuple[int, ...], repeats: int, full: bool
 ) -> Iterator[CostPoint]:
     """All peers that can take a family, over the meshes."""
+    if installed("soromox") and not soromox_reasons(family, full):
+        yield from peer_soromox.soromox_points(family, reference, repeats)
     if not installed("exudyn") or not _same_everywhere(family):
         return
     for kind in EXUDYN:

@@ -87,12 +87,12 @@ def measure(family: Family, full: bool = False) -> FamilyCost:
     """Every model of one family on its meshes."""
     started = time.process_time()
     reference = family.find_reference(family.scene)
-    omissions = absent_references(family, reference) + absent_peers(family)
+    omissions = absent_references(family, reference) + absent_peers(family, full)
     points = list(reference_points(family, reference, full))
     for element in ELEMENTS.values():
         points += _beams(family, reference, element, full, omissions)
     peers = PEER_MESHES_FULL if full else PEER_MESHES
-    points += peer_points(family, reference, peers, REPEATS_FULL if full else REPEATS)
+    points += peer_points(family, reference, peers, REPEATS_FULL if full else REPEATS, full)
     points, floors = _with_limits(family, reference, points)
     omissions += [f"{point.label}, {point.mesh}: {point.status}" for point in points if not point.converged]
     return FamilyCost(

@@ -42,6 +42,7 @@ MARKS: dict[str, tuple[str, str, str]] = {
     "exudyn ANCFCable2D": ("<", MUTED, "-"),
     "exudyn ANCFCable": (">", MUTED, "--"),
     "exudyn GeometricallyExactBeam": ("h", "#8a6d3b", "-."),
+    "soromox PCS": ("H", "#4d7c4d", "--"),
     "exudyn ANCFBeam": ("p", "#b0894f", ":"),
 }
 SPARE = (("<", GREEN, "-"), (">", RED, "--"), ("h", SKY, "--"), ("p", VIOLET, ":"))
