@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 MOST_ELEMENTS = 2000  # of a scene: some seconds
 MOST_ROUNDS = 12
-FIRST_ATTEMPTS = 3  # meshes on which an equilibrium or its estimate may be missing
+ATTEMPTS = 3  # meshes in a row on which an equilibrium or its estimate may be missing
 STALLED = 2  # rounds in a row that leave more than FALLING of the estimate
 FALLING = 0.8
 NEAR = 1e-3  # of the wanted accuracy: how near to equilibrium an estimate needs to be at least
@@ -98,7 +98,7 @@ class _Search:
     tried: list[Trial] = field(default_factory=list)
     best: _Estimated | None = None
     limit: str = ""
-    missing: int = 0  # meshes without an equilibrium or without an estimate
+    missing: int = 0  # meshes in a row without an equilibrium or without an estimate
     rounds: int = 0  # of refinement by an estimate
     stalled: int = 0
     barred: set[str] = field(default_factory=set)  # elements that found no equilibrium
@@ -155,7 +155,7 @@ class _Search:
             return None, None
         scene = solution.scene
         switched = self.best is not None and self.best.elements != elements_of(scene.rods)
-        if self.missing < FIRST_ATTEMPTS and (switched or self.best is None):
+        if self.missing < ATTEMPTS:
             return replace(scene, rods=tuple(cut(rod, 2) for rod in scene.rods)), None
         if switched and self.best is not None:  # back to what was found with the other element
             kept = {rod.element for rod in self.best.solution.scene.rods}
@@ -169,7 +169,7 @@ class _Search:
 
     def _keep(self, estimated: _Estimated) -> None:
         """Remember the better answer, and how often the estimate did not become smaller."""
-        best = self.best
+        best, self.missing = self.best, 0
         if best is not None and best.elements == estimated.elements:
             fell = estimated.error.largest <= FALLING * best.error.largest
             self.stalled = 0 if fell else self.stalled + 1
