@@ -18,10 +18,9 @@ from ancf.accuracy_record import Accuracy, Trial, elements_of
 from ancf.element_choice import BETTER, CHOICE, candidates, choose, left_for_mesh
 from ancf.elements import ELEMENTS
 from ancf.error_estimate import ErrorEstimate, estimate_error, order_of
-from ancf.errors import InputError, Message
 from ancf.model import Model
 from ancf.model_error import model_errors
-from ancf.refinement import SAFETY, carried, cut, first_mesh, pieces_for
+from ancf.refinement import SAFETY, carried, cut, pieces_for, prepared
 from ancf.scene import Rod, Scene
 from ancf.solution import Solution, Status
 from ancf.solver import solve
@@ -30,32 +29,11 @@ Floats = NDArray[np.float64]
 
 MOST_ELEMENTS = 2000  # of a scene: some seconds
 MOST_ROUNDS = 12
-FIRST_ATTEMPTS = 4  # meshes on which an equilibrium or its estimate may be missing
+ATTEMPTS = 3  # meshes in a row on which an equilibrium or its estimate may be missing
 STALLED = 2  # rounds in a row that leave more than FALLING of the estimate
 FALLING = 0.8
 NEAR = 1e-3  # of the wanted accuracy: how near to equilibrium an estimate needs to be at least
 LEAST_TIME = 1e-3  # s, of a solve that has run out of time
-
-
-def prepared(scene: Scene) -> Scene:
-    """The scene with the mesh that is tried first, asking for no accuracy any more.
-
-    Raises `InputError` for a rod that has a mesh already.
-    """
-    for index, rod in enumerate(scene.rods):
-        if rod.elements or rod.breaks:
-            raise InputError(
-                Message(
-                    "Elements and accuracy are both given.",
-                    f"rod[{index}].elements",
-                    f"elements = {rod.elements} of rod {rod.name!r}, accuracy = {scene.solver.accuracy:g}",
-                    "accuracy stands in the place of elements: the program chooses the mesh",
-                    "leave elements away (0 in Python), or accuracy",
-                )
-            )
-    wanted = scene.solver.accuracy
-    assert wanted is not None
-    return first_mesh(replace(scene, solver=replace(scene.solver, accuracy=None)), wanted)
 
 
 def solve_to_accuracy(scene: Scene) -> Solution:
@@ -99,6 +77,16 @@ class _Estimated:
         rods = self.solution.scene.rods
         return max(errors[rod.element] for rod, errors in zip(rods, self.model, strict=True))
 
+    @property
+    def total(self) -> float:
+        """Both errors together."""
+        return self.error.largest + (self.model_error or 0.0)
+
+    @property
+    def elements(self) -> str:
+        """The elements of the rods."""
+        return elements_of(self.solution.scene.rods)
+
 
 @dataclass
 class _Search:
@@ -110,7 +98,7 @@ class _Search:
     tried: list[Trial] = field(default_factory=list)
     best: _Estimated | None = None
     limit: str = ""
-    missing: int = 0  # meshes without an equilibrium or without an estimate
+    missing: int = 0  # meshes in a row without an equilibrium or without an estimate
     rounds: int = 0  # of refinement by an estimate
     stalled: int = 0
     barred: set[str] = field(default_factory=set)  # elements that found no equilibrium
@@ -166,14 +154,12 @@ class _Search:
         if self._out_of_time():
             return None, None
         scene = solution.scene
-        tried = elements_of(scene.rods)
-        switched = self.best is not None and elements_of(self.best.solution.scene.rods) != tried
-        if self.missing < FIRST_ATTEMPTS and (switched or self.best is None):
+        switched = self.best is not None and self.best.elements != elements_of(scene.rods)
+        if self.missing < ATTEMPTS:
             return replace(scene, rods=tuple(cut(rod, 2) for rod in scene.rods)), None
         if switched and self.best is not None:  # back to what was found with the other element
-            self.barred |= {rod.element for rod in scene.rods} - {
-                rod.element for rod in self.best.solution.scene.rods
-            }
+            kept = {rod.element for rod in self.best.solution.scene.rods}
+            self.barred |= {rod.element for rod in scene.rods} - kept
             return self._following(self.best)
         self.limit = "no equilibrium was found on the finer mesh that an estimate needs"
         if solution.status is not Status.CONVERGED:
@@ -183,14 +169,15 @@ class _Search:
 
     def _keep(self, estimated: _Estimated) -> None:
         """Remember the better answer, and how often the estimate did not become smaller."""
-        if self.best is not None and elements_of(self.best.solution.scene.rods) == elements_of(
-            estimated.solution.scene.rods
-        ):
-            fell = estimated.error.largest <= FALLING * self.best.error.largest
+        best, self.missing = self.best, 0
+        if best is not None and best.elements == estimated.elements:
+            fell = estimated.error.largest <= FALLING * best.error.largest
             self.stalled = 0 if fell else self.stalled + 1
-            if estimated.error.largest > self.best.error.largest:
-                return
-        self.best = estimated
+            better = estimated.error.largest <= best.error.largest
+        else:
+            better = best is None or estimated.total <= best.total
+        if better:
+            self.best = estimated
 
     def _following(self, estimated: _Estimated) -> tuple[Scene | None, Floats | None]:
         """The scene with its next mesh and a start on it; None: it is good enough, or a limit is met."""
@@ -200,7 +187,7 @@ class _Search:
         if all(new is rod for new, rod in zip(rods, scene.rods, strict=True)) or self._at_limit(rods):
             return None, None
         following = replace(scene, rods=tuple(rods))
-        if elements_of(rods) != elements_of(scene.rods):
+        if elements_of(rods) != estimated.elements:
             # The vectors are others: its own start serves better.
             return replace(following, rods=tuple(replace(rod, any_element=False) for rod in rods)), None
         return following, carried(finer.model, finer.q, Model(following))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS
+from ancf.errors import InputError, Message
 from ancf.mesh import distinct_places, held_places, loaded_places, places_in_part, rod_breaks
 from ancf.model import Model
 from ancf.scene import Rod, Scene
@@ -47,6 +48,27 @@ def with_breaks(rod: Rod, breaks: Floats) -> Rod:
     part = np.searchsorted(rod.ends[1:-1], middle, side="right")
     counts = np.bincount(part, minlength=len(rod.parts))
     return replace(with_elements(rod, [int(n) for n in counts]), breaks=tuple(breaks.tolist()))
+
+
+def prepared(scene: Scene) -> Scene:
+    """The scene with the mesh that is tried first, asking for no accuracy any more.
+
+    Raises `InputError` for a rod that has a mesh already.
+    """
+    for index, rod in enumerate(scene.rods):
+        if rod.elements or rod.breaks:
+            raise InputError(
+                Message(
+                    "Elements and accuracy are both given.",
+                    f"rod[{index}].elements",
+                    f"elements = {rod.elements} of rod {rod.name!r}, accuracy = {scene.solver.accuracy:g}",
+                    "accuracy stands in the place of elements: the program chooses the mesh",
+                    "leave elements away (0 in Python), or accuracy",
+                )
+            )
+    wanted = scene.solver.accuracy
+    assert wanted is not None
+    return first_mesh(replace(scene, solver=replace(scene.solver, accuracy=None)), wanted)
 
 
 def first_mesh(scene: Scene, accuracy: float) -> Scene:

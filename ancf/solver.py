@@ -35,7 +35,7 @@ def prepare(scene: Scene) -> Model:
     scene asks for an `accuracy`, the mesh is the one that is tried first.
     """
     if scene.solver.accuracy is not None:
-        from ancf.accuracy import prepared
+        from ancf.refinement import prepared
 
         scene = prepared(scene)
     model = Model(scene)

@@ -265,7 +265,7 @@ def test_a_dearer_element_without_equilibrium_is_left_again(monkeypatch):
     )
     assert solution.scene.rods[0].element == "3333"
     assert solution.accuracy is not None
-    assert [trial.element for trial in solution.accuracy.tried].count("3363") == ancf.accuracy.FIRST_ATTEMPTS
+    assert [trial.element for trial in solution.accuracy.tried].count("3363") == ancf.accuracy.ATTEMPTS
     assert "the sections of 3333" in solution.warnings[0]
 
 

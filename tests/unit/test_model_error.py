@@ -40,7 +40,7 @@ def test_bending_of_a_disc(element, law, c):
 
 
 def test_twist_adds_to_the_error_of_bending():
-    """0.1 (t R)^2 on top of what bending does, and with its sign: 0.924 - 1.505 and 0.619 - 0.369 (tables)."""
+    """0.1 (t R)^2 on top of what bending does, and with its sign: .924 - 1.505, .619 - .369 (tables)."""
     found = defect("3333", Circle(0.02), curvature=(10.0, 0.0, 5.0))
     assert found[2] == pytest.approx(-0.581 * 0.1**2 - 0.1 * 0.2**2)
     soft = defect("3333", Circle(0.02), RUBBER, curvature=(10.0, 0.0, 5.0))
