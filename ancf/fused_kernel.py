@@ -108,7 +108,7 @@ def scratch(memory, at, width):
     )
 
 
-@compiled
+@njit(inline='always')
 def newton_step(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, and dx = K^-1 g with the mixed-integration-point tangent (old dx)."""
     elements, m = mesh.dofs.shape
@@ -172,7 +172,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
         project_vector(w.dx, projectors.dof[k], projectors.P[k], w.node)
 
 
-@compiled
+@njit(inline='always')
 def right_hand_side(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, on what the supports leave free; returns the least det [r_x r_y r_z]."""
     elements, m = mesh.dofs.shape
