@@ -229,6 +229,7 @@ def projector_tables(rod: RodModel, mesh: MeshTables, mixed: dict[int, Floats]) 
     for dof, P in mixed.items():
         touching = [(e, p) for e in range(len(mesh.dofs)) for p in range(0, m, nv) if mesh.dofs[e, p] == dof]
         found += [(e, p, index == 0, dof, P) for index, (e, p) in enumerate(touching)]
+    found.sort(key=lambda entry: entry[:2])  # the kernel meets them element by element
     columns = [np.array([entry[k] for entry in found], dtype=np.int64) for k in range(4)]
     P = np.array([entry[4] for entry in found]).reshape(len(found), 3 * nv, 3 * nv)
     return ProjectorTables(columns[0], columns[1], columns[2], P, columns[3])
