@@ -14,18 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.batch_rows import RowsResult
+from ancf.fused_load_tables import LoadTables, StartTables, load_tables, start_tables
+from ancf.fused_memory import Lanes, Rows, lane_states, scratch_memory
 from ancf.fused_tables import (
     ElasticTables,
-    LoadTables,
     MeshTables,
     ProjectorTables,
-    StartTables,
     elastic_tables,
     held_vectors,
-    load_tables,
     mesh_tables,
     projector_tables,
-    start_tables,
 )
 from ancf.model import Model
 from ancf.newton import FLOOR_FACTOR
@@ -59,51 +57,6 @@ class Found(NamedTuple):
     converged: NDArray[np.bool_]
     residual: Floats
     iterations: NDArray[np.int64]
-
-
-class Lanes(NamedTuple):
-    """State of the lanes (lanes,), and scratch of the start."""
-
-    sample: NDArray[np.int64]
-    status: NDArray[np.int64]
-    iteration: NDArray[np.int64]
-    quiet: NDArray[np.int64]  # candidates that had too large a residual
-    step: Floats
-    residual: Floats
-    fixed: Floats  # (loads, 3)
-    turning: Floats  # (loads, 3)
-    frames: Floats  # (n_nodes, 3, 3)
-    carried: Floats  # (n_nodes - 1, 3)
-    scratch: Floats  # (3, 3, 3)
-
-
-class Rows(NamedTuple):
-    """Sizes, or first rows, of the fields of `fused_kernel.Scratch` (what they hold is said there)."""
-
-    x: int
-    dx: int
-    g: int
-    dead: int
-    M_fixed: int
-    M_turning: int
-    F_turning: int
-    trust: int
-    signs: int
-    E: int
-    dE: int
-    V: int
-    dV: int
-    gamma: int
-    T: int
-    Q: int
-    U: int
-    K_v: int
-    K_N: int
-    front: int
-    carry: int
-    W: int
-    W_end: int
-    node: int
 
 
 class Tables(NamedTuple):
@@ -212,74 +165,18 @@ def _build(model: Model, lanes: int) -> Tables:
     (rod,) = model.rods
     held, mixed = held_vectors(model)
     mesh, elastic, loads = mesh_tables(rod, held), elastic_tables(rod), load_tables(model)
-    first = np.cumsum([0, *_sizes(model, mesh, elastic, loads)])
-    count, nodes = len(loads.node), len(rod.q0)
-    state = Lanes(
-        sample=np.zeros(lanes, np.int64),
-        status=np.zeros(lanes, np.int64),
-        iteration=np.zeros(lanes, np.int64),
-        quiet=np.zeros(lanes, np.int64),
-        step=np.zeros(lanes),
-        residual=np.zeros(lanes),
-        fixed=np.zeros((count, 3)),
-        turning=np.zeros((count, 3)),
-        frames=np.zeros((nodes, 3, 3)),
-        carried=np.zeros((nodes - 1, 3)),
-        scratch=np.zeros((3, 3, 3)),
-    )
+    at, memory = scratch_memory(model.n, mesh, elastic, loads, lanes)
     return Tables(
         mesh,
         elastic,
         projector_tables(rod, mesh, mixed),
         loads,
         start_tables(model, loads.node),
-        Rows(*map(int, first[:-1])),
-        state,
-        _aligned(int(first[-1]), lanes),
+        at,
+        lane_states(len(loads.node), len(rod.q0), lanes),
+        memory,
         _floor(model),
     )
-
-
-def _sizes(model: Model, mesh: MeshTables, elastic: ElasticTables, loads: LoadTables) -> Rows:
-    """Rows that each field needs."""
-    elements, m = mesh.dofs.shape
-    nv = loads.turning_shape.shape[1]
-    pairs, points, g = len(elastic.i), *elastic.N.shape[1:3]
-    pivots = m - nv
-    return Rows(
-        x=model.n,
-        dx=model.n,
-        g=model.n,
-        dead=model.n,
-        M_fixed=3 * len(loads.node),
-        M_turning=3 * len(loads.node),
-        F_turning=3 * len(loads.turning_load),
-        trust=1,
-        signs=2,
-        E=3 * m,
-        dE=3 * m,
-        V=3 * g,
-        dV=3 * g,
-        gamma=pairs,
-        T=pairs,
-        Q=3 * points * g,
-        U=3 * (len(elastic.u_start) - 1),
-        K_v=9 * pairs,
-        K_N=9 * points * g * m,
-        front=9 * m * m,
-        carry=9 * nv * nv,
-        W=9 * elements * pivots * m,
-        W_end=9 * nv * nv,
-        node=3 * nv,
-    )
-
-
-def _aligned(rows: int, lanes: int) -> Floats:
-    """Memory (rows, lanes) that begins on a cache line, so that no register straddles two."""
-    line = 64
-    memory = np.zeros(rows * lanes + line // 8)
-    skip = (-memory.ctypes.data % line) // 8
-    return memory[skip : skip + rows * lanes].reshape(rows, lanes)
 
 
 def _floor(model: Model) -> float:

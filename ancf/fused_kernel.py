@@ -108,7 +108,7 @@ def scratch(memory, at, width):
     )
 
 
-@compiled
+@njit(inline="always")
 def newton_step(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, and dx = K^-1 g with the mixed-integration-point tangent (old dx)."""
     elements, m = mesh.dofs.shape
@@ -172,7 +172,7 @@ def newton_step(w, mesh, elastic, projectors, loads, nv):
         project_vector(w.dx, projectors.dof[k], projectors.P[k], w.node)
 
 
-@compiled
+@njit(inline="always")
 def right_hand_side(w, mesh, elastic, projectors, loads, nv):
     """g = minus the residual at x, on what the supports leave free; returns the least det [r_x r_y r_z]."""
     elements, m = mesh.dofs.shape
@@ -234,72 +234,71 @@ def after_check(lane, residual, sound, state, problem):
     return FAILED if over else RUNNING
 
 
-def _compile(sources):
-    """The kernel; `sources` is a digest of what it is made of, which its closure puts into the cache key."""
+def _solve(problem, found, mesh, elastic, projectors, loads, start, at, state, memory, width):
+    """Solve all samples of a batch.
 
-    @njit(nogil=True, cache=True, error_model="numpy")
-    def solve(problem, found, mesh, elastic, projectors, loads, start, at, state, memory, width):
-        """Solve all samples of a batch.
-
-        Parameters
-        ----------
-        problem, found : `fused.Problem`, and `fused.Found`, which is written
-        at : first row of each field of `Scratch` in `memory` (rows, lanes)
-        width : a tuple of as many floats as there are lanes
-        """
-        _ = sources
-        w = scratch(memory, at, width)
-        lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
-        nv = loads.turning_shape.shape[1]
-        sample, status = state.sample, state.status
+    Parameters
+    ----------
+    problem, found : `fused.Problem`, and `fused.Found`, which is written
+    at : first row of each field of `Scratch` in `memory` (rows, lanes)
+    width : a tuple of as many floats as there are lanes
+    """
+    w = scratch(memory, at, width)
+    lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
+    nv = loads.turning_shape.shape[1]
+    sample, status = state.sample, state.status
+    for lane in range(lanes):
+        rest(lane, memory, at, start)
+        status[lane] = IDLE
+    following = busy = np.int64(0)
+    while True:
         for lane in range(lanes):
-            rest(lane, memory, at, start)
-            status[lane] = IDLE
-        following = busy = np.int64(0)
-        while True:
+            if status[lane] == IDLE and following < samples:
+                begin(lane, following, memory, at, problem, loads, start, state)
+                sample[lane], status[lane] = following, RUNNING
+                following += 1
+                busy += 1
+        if busy == 0:
+            return
+        newton_step(w, mesh, elastic, projectors, loads, nv)
+        check = False
+        for lane in range(lanes):
+            if status[lane] == RUNNING:
+                step = largest(memory, at.dx, mesh.free, lane)
+                status[lane] = after_step(lane, step, state, problem, memory, at, size)
+                check = check or status[lane] == CANDIDATE
+        if check:
+            w.node[0] = right_hand_side(w, mesh, elastic, projectors, loads, nv)
             for lane in range(lanes):
-                if status[lane] == IDLE and following < samples:
-                    begin(lane, following, memory, at, problem, loads, start, state)
-                    sample[lane], status[lane] = following, RUNNING
-                    following += 1
-                    busy += 1
-            if busy == 0:
-                return
-            newton_step(w, mesh, elastic, projectors, loads, nv)
-            check = False
-            for lane in range(lanes):
-                if status[lane] == RUNNING:
-                    step = largest(memory, at.dx, mesh.free, lane)
-                    status[lane] = after_step(lane, step, state, problem, memory, at, size)
-                    check = check or status[lane] == CANDIDATE
-            if check:
-                w.node[0] = right_hand_side(w, mesh, elastic, projectors, loads, nv)
-                for lane in range(lanes):
-                    if status[lane] == CANDIDATE:
-                        residual = largest(memory, at.g, mesh.free, lane)
-                        sign = memory[at.signs + (0 if len(loads.node) == 0 else 1), lane]
-                        sound = memory[at.node, lane] > SMALLEST_VOLUME and sign > 0.0
-                        status[lane] = after_check(lane, residual, sound, state, problem)
-            for lane in range(lanes):
-                if status[lane] == CONVERGED or status[lane] == FAILED:
-                    row = sample[lane]
-                    found.converged[row] = status[lane] == CONVERGED
-                    found.residual[row], found.iterations[row] = state.residual[lane], state.iteration[lane]
-                    for k in range(size):
-                        found.x[row, k] = memory[at.x + k, lane]
-                    rest(lane, memory, at, start)
-                    status[lane] = IDLE
-                    busy -= 1
-
-    return solve
+                if status[lane] == CANDIDATE:
+                    residual = largest(memory, at.g, mesh.free, lane)
+                    sign = memory[at.signs + (0 if len(loads.node) == 0 else 1), lane]
+                    sound = memory[at.node, lane] > SMALLEST_VOLUME and sign > 0.0
+                    status[lane] = after_check(lane, residual, sound, state, problem)
+        for lane in range(lanes):
+            if status[lane] == CONVERGED or status[lane] == FAILED:
+                row = sample[lane]
+                found.converged[row] = status[lane] == CONVERGED
+                found.residual[row], found.iterations[row] = state.residual[lane], state.iteration[lane]
+                for k in range(size):
+                    found.x[row, k] = memory[at.x + k, lane]
+                rest(lane, memory, at, start)
+                status[lane] = IDLE
+                busy -= 1
 
 
 def _digest():
-    """Digest of the sources that are compiled together: numba's cache watches this file only."""
+    """Digest of the sources that are compiled together.
+
+    In the function's name it gives each version its own file in numba's cache, which watches one source file
+    only, and which does not survive that a class it has stored moves to another module.
+    """
     folder, total = Path(__file__).parent, hashlib.sha256()
-    for path in sorted([folder / "lanes.py", folder / "newton.py", *folder.glob("fused_*.py")]):
+    others = [folder / name for name in ("lanes.py", "newton.py", "failure.py")]
+    for path in sorted([*others, *folder.glob("fused*.py")]):
         total.update(path.read_bytes())
-    return total.hexdigest()
+    return total.hexdigest()[:16]
 
 
-solve = _compile(_digest())
+_solve.__qualname__ = f"solve_{_digest()}"
+solve = njit(nogil=True, cache=True, error_model="numpy")(_solve)

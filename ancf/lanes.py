@@ -90,7 +90,7 @@ def as_lanes(typing_context, array, width):
 def _arithmetic(function: Any, instruction: str) -> None:
     """Teach numba a binary operator between registers, and between a register and a float."""
 
-    class Template(AbstractTemplate):
+    class _Template(AbstractTemplate):
         def generic(self, args, kws):
             if len(args) != 2 or not any(isinstance(a, LanesType) for a in args):
                 return None
@@ -99,7 +99,7 @@ def _arithmetic(function: Any, instruction: str) -> None:
                 return signature(lanes, *args)
             return None
 
-    infer_global(function)(Template)
+    infer_global(function)(_Template)
 
     def lower(context, builder, sig, args):
         width = sig.return_type.width
@@ -134,12 +134,12 @@ for _function, _instruction in (
 def _extremum(function: Any, comparison: str) -> None:
     """Teach numba `min` or `max` of two registers, lane by lane; the second where one is not a number."""
 
-    class Template(AbstractTemplate):
+    class _Template(AbstractTemplate):
         def generic(self, args, kws):
             lanes = isinstance(args[0], LanesType) and args == (args[0], args[0])
             return signature(args[0], *args) if lanes else None
 
-    infer_global(function)(Template)
+    infer_global(function)(_Template)
 
     def lower(context, builder, sig, args):
         return builder.select(builder.fcmp_ordered(comparison, *args), *args)

@@ -9,19 +9,26 @@ lengths.
 
 from __future__ import annotations
 
-import importlib
+import os
+import platform
 import statistics
+import subprocess
+import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+import ancf
 from ancf import fused
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
-from ancf.scene import Moment, Rod, Scene
+from ancf.scene import Force, Moment, Rod, Scene
 from ancf.sections import Circle
 
 Floats = NDArray[np.float64]
@@ -99,13 +106,73 @@ def threaded(workers: int) -> float:
     return 5 * workers * SAMPLES / (time.perf_counter() - started)
 
 
-def compile_seconds(rows: int) -> float:
-    """CPU time of compiling, or of loading from the cache, in this process."""
+def first_call_seconds(rows: int, cache: str) -> float:
+    """CPU time [s] of the first call in a new process, less that of the second: compiling, or loading."""
+    code = (
+        "import sys, time, bench_batch as b, numpy as np\n"
+        "from ancf import fused\n"
+        "rows = int(sys.argv[1]); model = b.moment_model(40.0, 0.3)\n"
+        "call = lambda: fused.solve_rows(model, b.sample_moments(model)[:rows], np.empty((rows, 0, 3)))\n"
+        "times = [time.process_time()]\n"
+        "for _ in range(2): call(); times.append(time.process_time())\n"
+        "print(times[1] - times[0] - (times[2] - times[1]))\n"
+    )
+    here = Path(__file__).parent
+    environment = {
+        **os.environ,
+        "NUMBA_CACHE_DIR": cache,
+        "PYTHONPATH": os.pathsep.join(map(str, [here, here.parent])),
+    }
+    output = subprocess.run(
+        [sys.executable, "-c", code, str(rows)], env=environment, capture_output=True, text=True, check=True
+    )
+    return float(output.stdout)
+
+
+def one_row_seconds(repeats: int = 500) -> float:
+    """CPU time [s] of a call with one row that bends the rod by 90 degrees, warm."""
     model = moment_model(40.0, 0.3)
-    fused.tables(model, rows)
-    importlib.import_module("ancf.fused_kernel")
-    moments, none = sample_moments(model)[:rows], np.empty((rows, 0, 3))
-    warm = 0.0
-    started = time.process_time()
-    fused.solve_rows(model, moments, none)
-    return time.process_time() - started - warm
+    moment = np.array([[[0.0, 0.0, 0.5 * np.pi]]]) * model.rods[0].bending_stiffness
+    none = np.empty((1, 0, 3))
+    fused.solve_rows(model, moment, none)
+    return cpu_seconds(lambda: [fused.solve_rows(model, moment, none) for _ in range(repeats)]) / repeats
+
+
+def readable_seconds(repeats: int = 20) -> float:
+    """CPU time [s] of `ancf.solve` on the same rod and moment."""
+    model = moment_model(40.0, 0.3)
+    value = np.array([0.0, 0.0, 0.5 * np.pi]) * model.rods[0].bending_stiffness
+    scene = replace(model.scene, moments=(replace(model.scene.moments[0], value=value),))
+    return cpu_seconds(lambda: [ancf.solve(scene) for _ in range(repeats)]) / repeats
+
+
+def force_row(slenderness: float) -> str:
+    """Iterations of the dead tip forces P L^2/EI = 1, 5, 10 from the straight shape."""
+    load = Force("rod", 1.0, np.array([0.0, 1.0, 0.0]))
+    model = Model(Scene((rod(slenderness, 0.3, 8),), forces=(load,)))
+    forces = np.array([[[0.0, P, 0.0]] for P in (1.0, 5.0, 10.0)]) * model.rods[0].bending_stiffness
+    found = fused.solve_rows(model, np.empty((3, 0, 3)), forces)
+    return f"{slenderness:6g}  {found.iterations}  lost {np.count_nonzero(~found.converged)}"
+
+
+def main() -> None:
+    """Print the tables."""
+    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    print("\n   L/R     nu   solves/s iterations   lost   median err    largest    (one core, CPU time)")
+    for slenderness, poisson_ratio in ((40.0, 0.3), (40.0, 0.49), (100.0, 0.3), (500.0, 0.3), (500.0, 0.49)):
+        print(batch_row(slenderness, poisson_ratio))
+    print("\nTip force P L^2/EI = 1, 5, 10 from the straight shape, iterations by L/R")
+    for slenderness in (40.0, 100.0, 400.0):
+        print(force_row(slenderness))
+    print(f"\nOne row, warm, 90 degrees: {1e3 * one_row_seconds():.3f} ms")
+    print(f"ancf.solve of the same: {1e3 * readable_seconds():.2f} ms")
+    for workers in (1, 2):
+        print(f"{workers} threads: {threaded(workers):.0f} solves per second of wall time")
+    with tempfile.TemporaryDirectory() as cache:
+        for rows in (1, 100):
+            compiling, loading = (first_call_seconds(rows, cache) for _ in range(2))
+            print(f"first call with {rows} rows: compiling {compiling:.1f} s, from the cache {loading:.2f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -36,6 +36,7 @@ SUPPORTS = (
     (Support(1.0, "clamp"),),
     (Support(0.0, "pin"), Support(1.0, "free_section_clamp")),
     (Support(0.45, "clamp"),),
+    (Support(1.0, "free_section_clamp"), Support(0.0, "free_section_clamp")),
 )
 # Loads of this many E I/L: an element bends by a radian or so.
 SIZE = 2.0

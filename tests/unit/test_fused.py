@@ -153,3 +153,12 @@ def test_numba_is_loaded_by_the_first_solve_only():
 
     code = "import sys, ancf, ancf.fused; assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_section_turned_inside_out_is_no_solution():
+    """An arc in the x-y plane that is pinned at three points and mirrored in z has no strain and det F = -1."""
+    pins = tuple(Support(at, "pin") for at in (0.0, 0.5, 1.0))
+    arc = model(replace(ROD, curvature=np.array([0.0, 0.0, 1.0]), supports=pins))
+    mirrored = arc.q0.reshape(-1, 3, 3) * np.array([[1.0], [1.0], [-1.0]])
+    for start, sound in ((arc.q0, True), (mirrored.ravel(), False)):
+        assert fused.solve_rows(arc, NO_MOMENTS, NO_FORCES, start).converged[0] == sound
