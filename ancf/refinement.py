@@ -139,7 +139,8 @@ def pieces_for(contributions: Floats, reduction: float, order: int) -> Counts:
     for scale in np.geomspace(1.0, MOST_PIECES, 64):
         pieces = np.clip(np.ceil(scale * density - 0.5), 1, MOST_PIECES).astype(np.intp)
         if float(eta @ pieces ** -float(order)) <= reduction:
-            return pieces
+            alike = math.ceil(reduction ** (-1.0 / order))  # whole numbers may round to more than that
+            return pieces if pieces.sum() <= alike * len(eta) else np.full(len(eta), alike, dtype=np.intp)
     return np.clip(np.ceil(MOST_PIECES * density**0.5), 2, MOST_PIECES).astype(np.intp)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ancf.elements import ELEMENTS
@@ -97,6 +97,7 @@ def test_breaks_and_elements_must_agree():
 
 
 @given(st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=20), st.floats(0.005, 0.9))
+@example([1.0, 0.078125], 0.125)  # rounded by themselves 3 and 2 pieces, where 2 and 2 do
 def test_pieces_reach_the_reduction_at_little_cost(contributions, reduction):
     eta = np.array(contributions)
     pieces = pieces_for(eta, reduction, 4)
