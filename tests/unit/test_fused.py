@@ -156,7 +156,7 @@ def test_numba_is_loaded_by_the_first_solve_only():
 
 
 def test_a_section_turned_inside_out_is_no_solution():
-    """An arc in the x-y plane that is pinned at three points and mirrored in z has no strain and det F = -1."""
+    """An arc in the x-y plane, pinned at three points and mirrored in z, has no strain and det F = -1."""
     pins = tuple(Support(at, "pin") for at in (0.0, 0.5, 1.0))
     arc = model(replace(ROD, curvature=np.array([0.0, 0.0, 1.0]), supports=pins))
     mirrored = arc.q0.reshape(-1, 3, 3) * np.array([[1.0], [1.0], [-1.0]])
