@@ -10,6 +10,7 @@ from ancf import fused
 from ancf.hyperelastic import NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
+from ancf.newton import newton
 from ancf.scene import Force, Gravity, LineLoad, Moment, Rod, Scene, Support
 from ancf.sections import Circle
 from reference.helix import helix_tip_moment
@@ -156,9 +157,27 @@ def test_numba_is_loaded_by_the_first_solve_only():
 
 
 def test_a_section_turned_inside_out_is_no_solution():
-    """An arc in the x-y plane that is pinned at three points and mirrored in z has no strain and det F = -1."""
+    """An arc in the x-y plane, pinned at three points and mirrored in z, has no strain and det F = -1."""
     pins = tuple(Support(at, "pin") for at in (0.0, 0.5, 1.0))
     arc = model(replace(ROD, curvature=np.array([0.0, 0.0, 1.0]), supports=pins))
     mirrored = arc.q0.reshape(-1, 3, 3) * np.array([[1.0], [1.0], [-1.0]])
     for start, sound in ((arc.q0, True), (mirrored.ravel(), False)):
         assert fused.solve_rows(arc, NO_MOMENTS, NO_FORCES, start).converged[0] == sound
+
+
+def test_follower_forces_and_their_tangent_are_those_of_the_readable_kernel():
+    """Two of them off the axis, one inside the rod; the step of the linear system shows a wrong tangent."""
+    loads = (
+        Force("rod", 0.5, np.array([0.0, 0.1, 0.2]), np.array([0.01, 0.0]), "follower"),
+        Force("rod", 1.0, np.array([0.1, 0.1, 0.1]), np.array([0.0, 0.01]), "follower"),
+    )
+    push = model(forces=loads)
+    values = np.array([[load.value for load in loads]])
+    found = fused.solve_rows(push, NO_MOMENTS, values)
+    solution = ancf.solve(push.scene)
+    assert found.converged[0] and push.largest_motion(found.q[0] - solution.q) <= 1e-11
+    start = push.admissible(solution.q + 1e-5 * np.random.default_rng(0).uniform(-1.0, 1.0, push.n))
+    step = fused.solve_rows(push, NO_MOMENTS, values, start, max_iterations=1).q[0] - start
+    expected = newton(push, start, 1.0, 1).q - start
+    # Stiffness ratio 4 (L/R)^2 times a few elements squared, times rounding.
+    assert push.largest_motion(step - expected) <= 1e-9 * push.largest_motion(expected)
