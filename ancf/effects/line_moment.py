@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.distributed_couple import DistributedCouple, turning
 from ancf.effects import Effect
-from ancf.effects.distributed_couple import DistributedCouple, turning
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.distributed_couple import DistributedCouple
 from ancf.effects import Effect
-from ancf.effects.distributed_couple import DistributedCouple
 from ancf.mesh import reference_axis
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel

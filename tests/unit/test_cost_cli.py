@@ -122,7 +122,7 @@ def test_a_file_for_a_folder_is_refused(tmp_path):
 def test_no_equilibrium_is_exit_code_three(tmp_path):
     path = tmp_path / "crushed.toml"
     text = (EXAMPLES / "quarter-circle.toml").read_text().split("[[moment]]")[0]
-    path.write_text(text + "[[force]]\nat = 1.0\nvalue = [-1e3, 0, 0]\n[solver]\nmax_steps = 3\n")
+    path.write_text(text + "[[force]]\nat = 1.0\nvalue = [-1e300, 0, 0]\n[solver]\nmax_steps = 3\n")
     result = call(path, "--json")
     assert result.exit_code == 3
     found = json.loads(result.stdout)

@@ -113,7 +113,7 @@ def test_numerical_tangent_option_gives_the_same_matrix(name):
         np.testing.assert_allclose(found.Q_int, plain.Q_int, atol=1e-13 * np.abs(plain.Q_int).max())
 
 
-@every_element
+@every_section
 @pytest.mark.parametrize("tangent", ["analytic", "finite-difference"])
 def test_a_rod_in_pieces_is_the_rod(name, tangent, monkeypatch):
     """Kernels that run over a few elements at a time give what they give at once."""
@@ -237,7 +237,11 @@ def test_only_listed_effects_are_imported(field):
         "moments": "moments=(Moment('rod', 1.0, np.ones(3)),)",
         "forces": "forces=(Force('rod', 1.0, np.ones(3)),)",
         "line_loads": "line_loads=(LineLoad('rod', np.ones(3)),)",
+        "line_moments": "line_moments=(LineMoment('rod', np.ones(3)),)",
         "gravity": "gravity=Gravity(np.ones(3))",
+        "magnets": "magnets=(Magnet('rod', np.ones(3), np.ones(3)),)",
+        "tendons": "tendons=(Tendon('rod', 1.0, np.array([[0, 0.05, 0], [1, 0.05, 0]])),)",
+        "pressures": "pressures=(Pressure('rod', 1e3, np.zeros(2), 0.05),)",
     }
     code = f"""
 import sys, numpy as np, ancf

@@ -69,7 +69,14 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_are_valid(path: Path):
-    expected = {"tapered-finger": 0.15, "right-angle-frame": 0.24, "shallow-arch": 1.0}  # 3 + 8 + 4 cm
+    expected = {
+        "tapered-finger": 0.15,  # 3 + 8 + 4 cm
+        "right-angle-frame": 0.24,
+        "shallow-arch": 1.0,
+        "tendon-arm": 0.3,
+        "pneumatic-finger": 0.1,
+        "magnetic-catheter": 0.05,
+    }
     assert load_scene(path).rods[0].length == pytest.approx(expected.get(path.stem, 0.4))
 
 
