@@ -83,6 +83,3 @@ def buckling() -> Iterator[HardCase]:
         arm(100, force=[force([400, 0.4, 0], 100, at=0.5)], supports=BOTH_ENDS),
         "the pushed half carries 200 E I/L^2, its buckling load is 4 pi^2 E I/(L/2)^2 = 158",
     )
-
-
-WAITING = (("uniform section pressure", "the effect `pressure`"),)

@@ -84,6 +84,10 @@ def in_millimetres(scene: Scene) -> Variant:
             load["value"] = [v * MM_G_S[table] for v in load["value"]]
             if "offset" in load:
                 load["offset"] = [v * MM_G_S["length"] for v in load["offset"]]
+    for load in changed.get("pressure", []):
+        chamber = load["chamber"]
+        chamber["radius"] *= MM_G_S["length"]
+        chamber["centre"] = [v * MM_G_S["length"] for v in chamber.get("centre", (0.0, 0.0))]
     for joint in changed.get("joint", []):
         if "displacement" in joint:
             joint["displacement"] = [v * MM_G_S["length"] for v in joint["displacement"]]
@@ -145,6 +149,10 @@ def reversed_rods(scene: Scene) -> Variant:
         load["at"] = 1.0 - load.get("at", 1.0)
         if "offset" in load:
             load["offset"] = [load["offset"][0], -load["offset"][1]]
+    for load in changed.get("pressure", []):
+        load["from"], load["to"] = 1.0 - load.get("to", 1.0), 1.0 - load.get("from", 0.0)
+        y, z = load["chamber"].get("centre", (0.0, 0.0))
+        load["chamber"]["centre"] = [y, -z]
     for joint in changed.get("joint", []):
         for side in (joint[key] for key in ("a", "b") if isinstance(joint[key], dict)):
             side["at"] = 1.0 - side["at"]
@@ -162,9 +170,9 @@ def renumbered(scene: Scene) -> Variant:
         rod["name"] = name
         if "supports" in rod:
             rod["supports"] = rod["supports"][::-1]
-    for load in _loads(changed):
+    for load in (*_loads(changed), *changed.get("pressure", [])):
         load.setdefault("rod", names[0])
-    for table in LOADS:
+    for table in (*LOADS, "pressure"):
         if table in changed:
             changed[table] = changed[table][::-1]
     stranger = {**copied(changed["rod"][0]), "name": "stranger"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,6 +19,7 @@ from validation.hard_families import deviation
 from validation.hard_scenes import (
     DOWN,
     FREE_SECTION,
+    LENGTH,
     UP,
     YOUNG,
     Scene,
@@ -44,6 +46,7 @@ def loads() -> Iterator[HardCase]:
     yield from _gravity()
     yield from _follower()
     yield from _uniaxial()
+    yield from _pressed()
 
 
 def _gravity() -> Iterator[HardCase]:
@@ -132,6 +135,38 @@ def _pulled(stress: PrincipalStress, stretch: float, material: dict[str, Any], s
         elements=4,
         force=[{"value": [P, 0.0, 0.0]}],
     )
+
+
+def _pressed() -> Iterator[HardCase]:
+    """Pressure over the whole section and on both ends: every stretch is s, U(s^3) the energy per volume.
+
+    dU = p d(s^3) gives p = [mu (s - 1/s) + 3 lambda ln s / s]/s^2 for the neo-Hookean law and p = 3 K (s^2 -
+    1)/(2 s) for Saint Venant-Kirchhoff, E = (s^2 - 1)/2 I, U = 9 K/2 ((s^2 - 1)/2)^2.
+    """
+    nu, slenderness = 0.3, 10.0
+    mu, lame = YOUNG / (2.0 * (1.0 + nu)), YOUNG * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    bulk = lame + 2.0 * mu / 3.0
+    laws = {
+        "neo-hookean": lambda s: (mu * (s - 1.0 / s) + 3.0 * lame * math.log(s) / s) / s**2,
+        "saint-venant-kirchhoff": lambda s: 3.0 * bulk * (s**2 - 1.0) / (2.0 * s),
+    }
+    for law, pressure in laws.items():
+        for stretch in (1.2, 0.8):
+            yield HardCase(
+                "stretch by law",
+                f"{law}, uniform section pressure, stretch {stretch:g}",
+                arm(
+                    slenderness,
+                    material={"law": law, "young_modulus": YOUNG, "poisson_ratio": nu},
+                    supports=FREE_SECTION,
+                    elements=4,
+                    pressure=[{"value": pressure(stretch), "chamber": {"radius": LENGTH / slenderness}}],
+                ),
+                "a chamber as wide as the section, under pressure or vacuum: hydrostatic, in closed form",
+                limits=deviation(UNIFORM, "a uniform state is exact on every mesh (README.md)"),
+                deviation=from_stretch(stretch),
+                walk="full",
+            )
 
 
 def _uniaxial() -> Iterator[HardCase]:

@@ -29,7 +29,7 @@ Deviation = Callable[[Solution], float]
 
 LENGTH, YOUNG, DENSITY = 0.4, 1.0e6, 1070.0  # m, Pa, kg/m3: the silicone arm of README.md
 FULL_CIRCLE, QUARTER = 2.0 * math.pi, 0.5 * math.pi
-TABLES = ("moment", "force", "line_load", "gravity", "solver", "stability")
+TABLES = ("moment", "force", "line_load", "gravity", "pressure", "solver", "stability")
 DOWN, UP = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
 FREE_SECTION = [{"at": 0.0, "kind": "free_section_clamp"}]
 BOTH_ENDS = [{"at": 0.0, "kind": "clamp"}, {"at": 1.0, "kind": "clamp"}]

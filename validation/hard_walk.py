@@ -50,6 +50,8 @@ def scaled(scene: Scene, load_factor: float) -> Scene:
     for table in LOADS:
         for load in changed.get(table, []):
             load["value"] = [load_factor * v for v in load["value"]]
+    for load in changed.get("pressure", []):
+        load["value"] *= load_factor
     if "gravity" in changed:
         gravity = changed["gravity"]
         gravity["acceleration"] = [load_factor * v for v in gravity["acceleration"]]

@@ -127,12 +127,6 @@ def test_the_scene_and_the_iterations_are_behind_the_row():
     assert "<tr><td>50<td>" not in html
 
 
-def test_features_that_are_missing_are_waiting():
-    html = page(result())
-    for what, _ in hard_table.WAITING:
-        assert what in html.replace("&#39;", "'")
-
-
 def test_the_drawing():
     svg = ElementTree.fromstring(history_plot(HISTORY, 1e-10, "how <it> went"))
     assert svg.get("aria-label") == "how <it> went"

@@ -11,7 +11,6 @@ from markupsafe import Markup, escape
 
 from ancf.newton import Iteration
 from validation.criteria import Finding, Verdict
-from validation.hard_buckling import WAITING
 from validation.hard_cases import HardResult
 from validation.hard_limits import DRIFT, MEASURES, WALKED, Measure
 from validation.report.history_plot import history_plot
@@ -66,7 +65,6 @@ def chapter(results: Sequence[HardResult]) -> dict[str, Any]:
         "measures": MEASURES,
         "groups": [(GROUPS[g], n) for g, n in _runs([_group(m) for m in MEASURES])],
         "legend": LEGEND,
-        "waiting": WAITING,
         "passed": sum(r.verdict is not Verdict.FAIL for r in results),
         "total": len(results),
         "worst": _worst_drift(results),
