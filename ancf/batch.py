@@ -25,7 +25,7 @@ from ancf.model import Model
 from ancf.scene import Scene
 from ancf.sensitivity import pose_map, sensitivity
 from ancf.solution import Solution, Status
-from ancf.solver import prepare
+from ancf.solver import prepare, solve
 from ancf.stepping import find_equilibrium
 
 Floats = NDArray[np.float64]
@@ -74,8 +74,6 @@ class BatchSolution:
 
     def solution(self, row: int) -> Solution:
         """The full record of one row, solved from where the batch left it."""
-        from ancf.solver import solve
-
         return solve(self.loads.row(row), start=self.q[row])
 
     def sensitivity(self, parameter: str = "moment", index: int = 0) -> Floats:
@@ -113,6 +111,11 @@ def solve_batch(
     -------
     `BatchSolution`, each row with its own status.
 
+    Notes
+    -----
+    Under `accuracy` in [solver] the mesh is the one that the row of the largest loads needs. `max_seconds` is
+    for the rows together, and again for each one that is searched for alone.
+
     Raises
     ------
     InputError : no rows, wrong shapes, rows that are not finite, an engine that cannot take the scene.
@@ -120,6 +123,9 @@ def solve_batch(
     """
     started = time.perf_counter()
     loads = read_rows(scene, moments, forces, tensions)
+    if scene.solver.accuracy is not None:  # the mesh that the largest row needs serves all of them
+        scene = solve(loads.scene).scene
+        loads = read_rows(scene, moments, forces, tensions)
     model = _model(scene, loads)
     begin = None if start is None else _starts(start, len(loads), model)
     chosen = _engine(model, engine)

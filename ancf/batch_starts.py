@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ancf.batch_rows import BatchLoads, RowsResult
 from ancf.model import Model
 from ancf.predictor import load_start
-from ancf.rod_start import nodal_loads
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -42,7 +41,9 @@ def solve_in_waves(
 
 def dear_starts(model: Model) -> bool:
     """Whether the scene has loads beside moments, under which no start is known in closed form."""
-    return any(nodal_loads(model.scene, rod).forces for rod in model.rods)
+    scene = model.scene
+    acting = any(np.any(load.value) for load in (*scene.forces, *scene.line_loads, *scene.line_moments))
+    return acting or bool(scene.gravity or scene.tendons or scene.pressures)
 
 
 def _waves(count: int, dear: bool) -> Iterator[Indices]:

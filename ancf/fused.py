@@ -7,6 +7,7 @@ A row that the kernel cannot solve is only marked: the caller decides what to do
 from __future__ import annotations
 
 import importlib.util
+from threading import Lock
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -74,10 +75,18 @@ class Tables(NamedTuple):
 
 
 _tables: WeakKeyDictionary[Model, dict[int, Tables]] = WeakKeyDictionary()
+_reasons: WeakKeyDictionary[Model, str] = WeakKeyDictionary()
+_turns = Lock()  # the memory of a model serves one batch at a time
 
 
 def unsupported(model: Model) -> str:
     """Why the fused kernel cannot take a model, in one sentence; empty if it can."""
+    if model not in _reasons:
+        _reasons[model] = _reason(model)
+    return _reasons[model]
+
+
+def _reason(model: Model) -> str:
     scene = model.scene
     if importlib.util.find_spec("numba") is None:
         return "numba is not installed (extra `fast`)."
@@ -129,7 +138,7 @@ def solve_rows(
     Notes
     -----
     Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183 (tangent); the rest of the rule is
-    newton.py's. About 0.6 Mflop a row for 8 elements 3333. Not for two threads with one model at once.
+    newton.py's. About 0.6 Mflop a row for 8 elements 3333.
     """
     from ancf.fused_kernel import solve
 
@@ -149,7 +158,8 @@ def solve_rows(
         max_iterations,
     )
     found = Found(np.empty((rows, model.n)), np.zeros(rows, bool), np.empty(rows), np.zeros(rows, np.int64))
-    solve(problem, found, *tables[:8], (0.0,) * lanes)
+    with _turns:
+        solve(problem, found, *tables[:8], (0.0,) * lanes)
     floor = np.full(rows, tables.floor)
     return RowsResult(found.x * model.unit, found.converged, found.residual, floor, found.iterations)
 

@@ -174,6 +174,33 @@ def test_a_row_as_a_solution():
     assert len(batch) == 1 and batch.rod == "arm"
 
 
+def test_the_mesh_of_a_batch_by_accuracy():
+    """One mesh for all rows, by the largest: each row is as good as was asked."""
+    material = {"young_modulus": YOUNG, "poisson_ratio": 0.3}
+    data = {"length": L, "section": {"shape": "circle", "radius": 1e-3}, "material": material}
+    wanted = ancf.scene_from_dict({"rod": [data], **moment(), "solver": {"accuracy": 1e-3}})
+    thin = YOUNG * np.pi * 1e-12 / 4 / L
+    rows = np.array([[0, 0, 0.1], [0, 2.0, 1.0], [0.5, 0, -1.0]]) * thin
+    batch = ancf.solve_batch(wanted, rows)
+    assert (batch.status == "converged").all()
+    fine = ancf.solve_batch(ancf.scene_from_dict({"rod": [data | {"elements": 48}], **moment()}), rows)
+    error = np.linalg.norm(batch.poses[..., 0] - fine.poses[..., 0], axis=1)
+    assert error.max() <= 1e-3 * L
+    assert batch.model.rods[0].rod.elements < 16
+
+
+def test_threads_share_a_scene():
+    """Batches of one scene in several threads at once are what they are alone."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    shared = scene(**moment())
+    rows = np.random.default_rng(5).uniform(-1, 1, (6, 40, 3)) * MOMENT
+    with ThreadPoolExecutor(3) as pool:
+        together = list(pool.map(lambda part: ancf.solve_batch(shared, part).poses, rows))
+    for part, poses in zip(rows, together, strict=True):
+        np.testing.assert_array_equal(poses, ancf.solve_batch(scene(**moment()), part).poses)
+
+
 MOMENTS = {"moment": [{"value": [0, 0, 1.0]}]}
 BAD = {
     "nothing": (MOMENTS, {}, "no rows"),
