@@ -11,11 +11,10 @@ from markupsafe import Markup
 from validation.cost.points import CostPoint
 from validation.cost.run import FamilyCost
 from validation.report.style import (
-    BLUE,
+    ELEMENT_MARKS,
     GREEN,
     INK,
     MUTED,
-    ORANGE,
     RED,
     SKY,
     VIOLET,
@@ -31,11 +30,7 @@ LOWEST = 1e-6  # smaller errors, which only the references have, are drawn there
 COUNTS = (3, 5, 10, 20, 50, 100, 200)
 # Known models keep their mark; any other takes the next of the spare ones.
 MARKS: dict[str, tuple[str, str, str]] = {
-    "3333": ("o", BLUE, "-"),
-    "3243": ("s", ORANGE, "--"),
-    "3363": ("^", VIOLET, "-"),
-    "3343": ("v", RED, "-"),
-    "cable": ("P", SKY, "-"),
+    **ELEMENT_MARKS,
     "solid hex27": ("D", GREEN, ":"),
     "section problem": ("*", INK, ":"),
     "rod": ("X", INK, ":"),

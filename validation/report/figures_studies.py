@@ -12,9 +12,20 @@ from validation.convergence import StudyResult
 from validation.criteria import WARN_MARGIN, Verdict
 from validation.locking import LockingPoint
 from validation.problems import CaseResult
-from validation.report.style import BLUE, FAINT, GREEN, INK, MUTED, ORANGE, RED, VIOLET, new_figure, to_svg
+from validation.report.style import (
+    BLUE,
+    ELEMENT_MARKS,
+    FAINT,
+    GREEN,
+    INK,
+    MUTED,
+    ORANGE,
+    RED,
+    VIOLET,
+    new_figure,
+    to_svg,
+)
 
-MARKS = {"3333": ("o", BLUE, "-"), "3243": ("s", ORANGE, "--")}
 DOTS = {
     Verdict.PASS: ("o", BLUE),
     Verdict.WARN: ("^", ORANGE),
@@ -58,7 +69,7 @@ def margins(results: Sequence[CaseResult]) -> Markup:
 
 
 def convergence(results: Sequence[StudyResult]) -> Markup:
-    """One panel a problem: error against elements for both elements, with the promised slopes."""
+    """One panel a problem: error against elements of each kind, with the promised slopes."""
     names = list(dict.fromkeys(r.study.name for r in results))
     columns = 3
     lines = math.ceil((len(names) + 1) / columns)
@@ -66,7 +77,7 @@ def convergence(results: Sequence[StudyResult]) -> Markup:
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, name in zip(axes, names, strict=False):
         for result in (r for r in results if r.study.name == name):
-            marker, colour, line = MARKS[result.study.element]
+            marker, colour, line = ELEMENT_MARKS[result.study.element]
             n, e = np.array(result.study.meshes, float), np.array(result.errors)
             ax.loglog(n, e, marker=marker, color=colour, ls=line)
             guide = e[-1] * (n / n[-1]) ** -result.study.promised
@@ -86,8 +97,9 @@ def convergence(results: Sequence[StudyResult]) -> Markup:
     for ax in axes[len(names) :]:
         ax.axis("off")
     legend = axes[len(names)]
-    for element in ("3333", "3243"):
-        marker, colour, line = MARKS[element]
+    studied = {result.study.element for result in results}
+    for element in (name for name in ELEMENT_MARKS if name in studied):
+        marker, colour, line = ELEMENT_MARKS[element]
         legend.plot([], [], marker=marker, color=colour, ls=line, label=f"element {element}")
     legend.plot([], [], color=FAINT, lw=3.5, label="promised slope")
     legend.legend(loc="center left", fontsize=10)

@@ -17,6 +17,14 @@ if TYPE_CHECKING:
 # Okabe and Ito: told apart with every common colour vision, and by lightness in grey print.
 BLUE, ORANGE, GREEN, RED, VIOLET, SKY = "#0072B2", "#D55E00", "#009E73", "#B2182B", "#6A51A3", "#56B4E9"
 INK, MUTED, FAINT = "#1c2128", "#5d6873", "#c9d0d6"
+# Marker, colour and line of each element, in every figure.
+ELEMENT_MARKS = {
+    "3333": ("o", BLUE, "-"),
+    "3243": ("s", ORANGE, "--"),
+    "3363": ("^", VIOLET, "-"),
+    "3343": ("v", RED, "-"),
+    "cable": ("P", SKY, "-"),
+}
 AXES = {"r_x": ORANGE, "r_y": GREEN, "r_z": BLUE}
 
 SETTINGS: Any = {
