@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from validation import (
     problems_accuracy,
+    problems_actuated,
     problems_cross,
     problems_force,
     problems_identity,
@@ -43,6 +44,8 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "section stress": problems_stress.section_stress,
     "estimated error": problems_accuracy.estimated_error,
     "model error": problems_accuracy.model_error,
+    "actuated": problems_actuated.actuated,
+    "closed tube": problems_actuated.closed_tube,
 }
 
 
