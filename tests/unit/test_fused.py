@@ -50,6 +50,20 @@ def test_a_batch_of_spatial_tip_moments_ends_on_helices():
             assert np.median(np.linalg.norm(positions - exact, axis=1)) <= 3e-4
 
 
+@pytest.mark.parametrize("direction", ["fixed", "follower"])
+def test_the_tangent_of_moments_is_whole(direction):
+    """Near an equilibrium Newton's error squares, from 1e-3 to rounding in three steps: a term that is left out
+    of the tangent of a large moment leaves linear convergence, and many more.
+    """
+    for row in np.random.default_rng(2).uniform(-1.0, 1.0, (6, 3)) * [0.8, 3.0, 3.0]:
+        tip = model(moments=(replace(TIP, direction=direction),))
+        moments = (row * unit(tip)).reshape(1, 1, 3)
+        exact = fused.solve_rows(tip, moments, NO_FORCES)
+        assert exact.converged[0]
+        noise = np.random.default_rng(3).uniform(-1e-3, 1e-3, tip.n) * tip.unit
+        assert fused.solve_rows(tip, moments, NO_FORCES, exact.q[0] + noise).iterations[0] <= 4
+
+
 @pytest.mark.parametrize("load", [1.0, 5.0, 10.0])
 @pytest.mark.parametrize("slenderness", [40.0, 400.0])
 def test_a_tip_force_is_found_from_the_straight_shape(load, slenderness):

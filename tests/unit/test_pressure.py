@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import ancf
 from ancf.model import Model
+from ancf.predictor import load_start
 from ancf.rotation import exp
 
 L, RADIUS, BORE, YOUNG = 0.1, 0.01, 0.006, 1e6
@@ -113,6 +114,17 @@ def test_the_volume_of_a_bent_chamber():
     (effect,) = model.effects
     volume = effect.volume(model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3))
     assert volume == pytest.approx(np.pi * 0.003**2 * (1 - 4.0 * 0.005) * L, rel=1e-6)
+
+
+@pytest.mark.parametrize("centre", [(0.005, 0.0), (0.0, -0.005)])
+def test_the_start_is_near(centre):
+    """A Kirchhoff chain bent by the couples of the chamber is nearer to the solution than the reference."""
+    model = Model(scene({"section": {"shape": "circle", "radius": RADIUS}}, **chamber(8e4, 0.004, centre)))
+    start, solution = load_start(model), ancf.solve(model.scene)
+    (rod,) = model.rods
+    tips = [rod.nodal(q)[-1, 0] for q in (start, solution.q)]
+    assert np.linalg.norm(tips[1] - [L, 0, 0]) > 0.08 * L
+    assert np.linalg.norm(tips[0] - tips[1]) < 0.3 * np.linalg.norm(tips[1] - [L, 0, 0])
 
 
 def test_no_pressure_changes_nothing():

@@ -59,6 +59,19 @@ def test_a_helical_tendon_twists_the_rod():
     np.testing.assert_allclose(found[0][1:], [y, z], rtol=2e-3)
 
 
+def test_a_steep_helix_pulls_along_itself():
+    """Many turns bend little; the thrust along the axis is T cos, with tan = d p of the winding (statics)."""
+    d, tension, turns = 0.8 * R, 1e-3 * YOUNG * AREA, 40
+    a = np.linspace(0, 1, 40 * turns + 1)
+    angle = 2 * np.pi * turns * a
+    path = np.column_stack([a, d * np.cos(angle), d * np.sin(angle)])
+    tip, _ = tendon_rod(L, R, YOUNG, 0.3, tension, path)
+    slope = d * 2 * np.pi * turns / L
+    assert slope > 0.9
+    shortening = tension / (YOUNG * AREA) / np.sqrt(1 + slope**2)
+    assert 1.0 - tip[0] / L == pytest.approx(shortening, rel=2e-2)  # each turn bends and twists a little
+
+
 def test_a_thick_tube():
     """An incompressible tube does not stretch; a thin one by p R/(2 E t) less nu p R/(E t) of the hoop."""
     assert closed_tube_strain(0.006, 0.01, YOUNG, 0.5, 1e3) == 0.0

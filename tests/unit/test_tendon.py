@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import ancf
 from ancf.model import Model
+from ancf.predictor import load_start
 from ancf.rotation import exp
 
 L, RADIUS, YOUNG = 0.4, 0.01, 1e6
@@ -140,6 +141,16 @@ def test_pulled_in_one_step_or_in_many():
     at_once, walked = ancf.solve(scene(**tables)), ancf.solve(scene(**tables, solver={"predictor": "none"}))
     assert at_once.steps == 1 and at_once.iterations <= 8
     np.testing.assert_allclose(walked.q, at_once.q, rtol=0, atol=1e-9)
+
+
+def test_the_start_is_near():
+    """A Kirchhoff chain bent by the tendon's couples is within 0.1 L where the tip has moved by half."""
+    model = Model(scene({"elements": 8}, **straight(4 * TENSION, (0.003, -0.004))))
+    start, solution = load_start(model), ancf.solve(model.scene)
+    (rod,) = model.rods
+    tips = [rod.nodal(q)[-1, 0] for q in (start, solution.q)]
+    assert np.linalg.norm(tips[1] - [L, 0, 0]) > 0.5 * L
+    assert np.linalg.norm(tips[0] - tips[1]) < 0.1 * L  # the start knows no thrust
 
 
 def test_many_tendons_pull_together():
