@@ -52,8 +52,8 @@ def test_a_batch_of_spatial_tip_moments_ends_on_helices():
 
 @pytest.mark.parametrize("direction", ["fixed", "follower"])
 def test_the_tangent_of_moments_is_whole(direction):
-    """Near an equilibrium Newton's error squares, from 1e-5 to rounding in a few steps: a term missing from the
-    tangent of a large moment leaves linear convergence, and many more.
+    """Near an equilibrium Newton's error squares, from 1e-5 to rounding in a few steps; a term that is
+    missing from the tangent of a large moment leaves linear convergence, and many more.
     """
     for row in np.random.default_rng(2).uniform(-1.0, 1.0, (6, 3)) * [0.5, 1.5, 1.5]:
         tip = model(moments=(replace(TIP, direction=direction),))
