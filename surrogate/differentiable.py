@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import torch
+import torch  # pyright: ignore[reportMissingImports]
 
 import ancf
 
