@@ -6,6 +6,7 @@ import pytest
 import ancf
 from ancf.effects.magnet import MU_0
 from ancf.model import Model
+from tests.effect_checks import check_derivatives
 
 L, RADIUS, YOUNG = 0.4, 0.004, 1e6
 EI, AREA = YOUNG * np.pi * RADIUS**4 / 4, np.pi * RADIUS**2
@@ -94,23 +95,8 @@ CASES = {
 def test_tangents_are_derivatives(name, element):
     """K = dQ/de by central differences at a random state; Q = -dV/de where there is a potential."""
     model = Model(scene({"element": element, "elements": 4, "curvature": [0.3, 1.0, -0.5]}, **CASES[name]))
-    (effect,) = model.effects
-    rng = np.random.default_rng(3)
-    e = model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)
-    units = model.unit[effect.dofs].reshape(len(effect.dofs), -1, 3)
-    e = e + 0.02 * rng.uniform(-1, 1, e.shape) * units
-    way, h = rng.uniform(-1, 1, e.shape) * units, 1e-5
-    Q, K = effect.force_and_tangent(e)
-    np.testing.assert_array_equal(Q, effect.force(e))
-    change = (effect.force(e + h * way) - effect.force(e - h * way)) / (2 * h)
-    found = np.einsum("mij,mj->mi", K, way.reshape(len(K), -1)).reshape(change.shape)
-    np.testing.assert_allclose(found, change, rtol=0, atol=1e-7 * np.abs(change).max())
-    if name == "magnet":
-        slope = (effect.potential(e + h * way) - effect.potential(e - h * way)) / (2 * h)
-        assert -np.sum(Q * way) == pytest.approx(slope, rel=1e-7)
-        np.testing.assert_allclose(K, np.swapaxes(K, 1, 2), rtol=0, atol=1e-12 * np.abs(K).max())
-    else:
-        assert effect.potential(e) is None
+    check_derivatives(model, strain=0.02, step=1e-5)
+    assert model.conservative == (name == "magnet")
 
 
 def test_couples_add_up():

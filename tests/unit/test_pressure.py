@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ancf
+from ancf.effects.pressure import Chamber
 from ancf.model import Model
 from ancf.predictor import load_start
-from ancf.rotation import exp
+from tests.effect_checks import blocks, check_derivatives, check_rigid_motion
 
 L, RADIUS, BORE, YOUNG = 0.1, 0.01, 0.006, 1e6
 TUBE = {"shape": "annulus", "radius": RADIUS, "inner_radius": BORE}
@@ -73,20 +74,8 @@ def test_force_and_tangent_are_derivatives(element):
     """Q = -dV/de and K = dQ/de by central differences, at a random state."""
     tables = chamber(1e4, 0.003, (0.002, 0.004), **{"from": 0.1, "to": 0.77})
     model = Model(scene({"element": element, "curvature": [3.0, 5.0, -2.0]}, **tables))
-    (effect,) = model.effects
-    rng = np.random.default_rng(3)
-    e = model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)
-    units = model.unit[effect.dofs].reshape(len(effect.dofs), -1, 3)
-    e = e + 0.05 * rng.uniform(-1, 1, e.shape) * units
-    way, h = rng.uniform(-1, 1, e.shape) * units, 1e-5
-    Q, K = effect.force_and_tangent(e)
-    np.testing.assert_array_equal(Q, effect.force(e))
-    slope = (effect.potential(e + h * way) - effect.potential(e - h * way)) / (2 * h)
-    assert -np.sum(Q * way) == pytest.approx(slope, rel=1e-7)
-    change = (effect.force(e + h * way) - effect.force(e - h * way)) / (2 * h)
-    found = np.einsum("mij,mj->mi", K, way.reshape(len(K), -1)).reshape(change.shape)
-    np.testing.assert_allclose(found, change, rtol=0, atol=1e-7 * np.abs(change).max())
-    np.testing.assert_allclose(K, np.swapaxes(K, 1, 2), rtol=0, atol=1e-12 * np.abs(K).max())
+    check_derivatives(model, strain=0.05, step=1e-5)
+    assert model.conservative
 
 
 @settings(deadline=None)
@@ -95,17 +84,8 @@ def test_pressure_turns_with_the_rod(numbers):
     """A rigid motion changes no volume; forces turn with it and balance: the chamber is closed."""
     model = Model(scene({"curvature": [3.0, 5.0, -2.0]}, **chamber(1e4, 0.003, (0.002, 0.004))))
     (effect,) = model.effects
-    q = model.q0.reshape(-1, 3)
-    turn, shift = exp(np.array(numbers[:3])), np.array(numbers[3:])
-    moved = q @ turn.T
-    moved[::3] += shift  # r, r_y, r_z of each node
-    blocks = [state.ravel()[effect.dofs].reshape(len(effect.dofs), -1, 3) for state in (q, moved)]
-    assert effect.volume(blocks[1]) == pytest.approx(effect.volume(blocks[0]), rel=1e-12)
-    forces = [effect.force(e) for e in blocks]
-    size = np.abs(forces[0]).max()
-    np.testing.assert_allclose(forces[1], forces[0] @ turn.T, rtol=0, atol=1e-11 * size)
-    np.testing.assert_allclose(forces[0][:, ::3].sum(axis=(0, 1)), 0.0, atol=1e-12 * size)
-    np.testing.assert_allclose(np.cross(blocks[0], forces[0]).sum(axis=(0, 1)), 0.0, atol=1e-12 * size)
+    size = np.abs(effect.force(blocks(model, effect))).max()
+    check_rigid_motion(model, Chamber.volume, numbers, 1e-12, 1e-11 * size, 1e-12 * size)
 
 
 def test_the_volume_of_a_bent_chamber():

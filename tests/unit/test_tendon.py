@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ancf
+from ancf.effects.tendon import PulledTendon
 from ancf.model import Model
 from ancf.predictor import load_start
-from ancf.rotation import exp
+from tests.effect_checks import check_derivatives, check_rigid_motion
 
 L, RADIUS, YOUNG = 0.4, 0.01, 1e6
 EI, EA = YOUNG * np.pi * RADIUS**4 / 4, YOUNG * np.pi * RADIUS**2
@@ -83,20 +84,8 @@ def test_the_section_carries_thrust_and_couple():
 def test_force_and_tangent_are_derivatives(element):
     """Q = -dV/de and K = dQ/de by central differences, at a random state."""
     model = Model(scene({"element": element, "curvature": [0.3, 1.0, -0.5]}, **tendon()))
-    (effect,) = model.effects
-    rng = np.random.default_rng(3)
-    e = model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)
-    e = e + 0.05 * rng.uniform(-1, 1, e.shape) * model.unit[effect.dofs].reshape(e.shape)
-    way = rng.uniform(-1, 1, e.shape) * model.unit[effect.dofs].reshape(e.shape)
-    h = 1e-6
-    Q, K = effect.force_and_tangent(e)
-    np.testing.assert_array_equal(Q, effect.force(e))
-    slope = (effect.potential(e + h * way) - effect.potential(e - h * way)) / (2 * h)
-    assert -np.sum(Q * way) == pytest.approx(slope, rel=1e-7)
-    change = (effect.force(e + h * way) - effect.force(e - h * way)) / (2 * h)
-    found = np.einsum("mij,mj->mi", K, way.reshape(len(K), -1)).reshape(change.shape)
-    np.testing.assert_allclose(found, change, rtol=0, atol=1e-7 * np.abs(change).max())
-    np.testing.assert_allclose(K, np.swapaxes(K, 1, 2), rtol=0, atol=1e-12 * np.abs(K).max())
+    check_derivatives(model, strain=0.05, step=1e-6)
+    assert model.conservative
 
 
 @settings(deadline=None)
@@ -104,18 +93,8 @@ def test_force_and_tangent_are_derivatives(element):
 def test_a_tendon_turns_with_the_rod(numbers):
     """A rigid motion changes neither length nor, but for the turn, the forces; they balance."""
     model = Model(scene({"curvature": [0.3, 1.0, -0.5]}, **tendon()))
-    (effect,) = model.effects
-    q = model.q0.reshape(-1, 3)
-    turn, shift = exp(np.array(numbers[:3])), np.array(numbers[3:])
-    moved = q @ turn.T
-    moved[::3] += shift  # r, r_y, r_z of each node
-    blocks = [state.ravel()[effect.dofs].reshape(len(effect.dofs), -1, 3) for state in (q, moved)]
-    assert effect.length(blocks[1]) == pytest.approx(effect.length(blocks[0]), rel=1e-13)
-    forces = [effect.force(e) for e in blocks]
-    np.testing.assert_allclose(forces[1], forces[0] @ turn.T, rtol=0, atol=1e-12 * TENSION)
-    couple = np.cross(blocks[0], forces[0]).sum(axis=(0, 1))
-    np.testing.assert_allclose(forces[0][:, ::3].sum(axis=(0, 1)), 0.0, atol=1e-12 * TENSION)
-    np.testing.assert_allclose(couple, 0.0, atol=1e-12 * TENSION * L)
+    fine = 1e-12 * TENSION
+    check_rigid_motion(model, PulledTendon.length, numbers, 1e-13, fine, fine, arm=L)
 
 
 def test_the_length_of_a_bent_path():
