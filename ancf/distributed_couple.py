@@ -10,9 +10,12 @@ between effects is the couple as a function of the section's rotation R,
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.effects import Effect
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import SectionRotation, hat, section_rotation
@@ -20,10 +23,8 @@ from ancf.rotation import SectionRotation, hat, section_rotation
 Floats = NDArray[np.float64]
 
 
-class DistributedCouple:
+class DistributedCouple(Effect):
     """Couples on all sections of a rod, at the axial points of its strain energy; blocks are elements."""
-
-    name = ""
 
     def __init__(self, model: RodModel) -> None:
         xi, _ = gauss(model.axial_points)
@@ -33,13 +34,13 @@ class DistributedCouple:
         self.W = model.weights_at(xi, d0)
         self.weight = model.axial_weights[..., None]
 
+    @abstractmethod
     def couple(self, R: Floats) -> Floats:
         """Couple per length (n_el, points, 3) [N m/m] on sections turned by R (n_el, points, 3, 3)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def couple_change(self, R: Floats, m: Floats) -> Floats | float:
         """Matrix D (n_el, points, 3, 3) with dm = D dw; 0.0 where it is constant."""
-        raise NotImplementedError
 
     def _rotation(self, e: Floats) -> SectionRotation:
         return section_rotation(self.N @ e[:, None], self.W)

@@ -1,7 +1,7 @@
 r"""A scene as arrays: rods, the effects it lists, supports, scales; residual and tangent of the whole system.
 
-Equilibrium at load factor l is g(q) = Q_elastic(q) - l Q_ext(q) = 0 on the motions that the supports allow
-(paper eq. 37, where the sign of Q_p is misprinted).
+Equilibrium at load factor l is g(q) = Q_int(q) - l Q_ext(q) = 0 on the motions that the supports allow (paper
+eq. 37, where the sign of Q_p is misprinted). Q_int is of the rods and of what is passive, as springs are.
 
 Everything that is compared with a tolerance is dimensionless: unknowns by `unit` (a length L for positions,
 L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 and moments by E I / L.
@@ -9,13 +9,10 @@ L^(1 - order) for derivatives), energies by E I / L, hence forces by E I / L^2 a
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
-from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +20,7 @@ from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effects import Effect
+from ancf.effect_assembly import EffectAssembly, add_blocks, blocks_of, load_effects
 from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
@@ -37,26 +34,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_name = attrgetter("name")
-
-
-def _effect_name(pair: tuple[Effect, NDArray[np.intp]]) -> str:
-    return pair[0].name
-
-
-# Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
-EFFECT_MODULES = {
-    "moments": "moment",
-    "forces": "force",
-    "line_loads": "line_load",
-    "line_moments": "line_moment",
-    "gravity": "gravity",
-    "magnets": "magnet",
-    "tendons": "tendon",
-    "pressures": "pressure",
-}
-
-
 # E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod
 # clamped at both ends buckles at 39.5.
 FIRST_FORCE = 5.0
@@ -64,7 +41,7 @@ FIRST_FORCE = 5.0
 
 @dataclass(frozen=True)
 class Residual:
-    """Internal and external generalised forces (n,) at one configuration; Q_ext at load factor 1."""
+    """Generalised forces (n,) of the rods and what is passive, and of the loads at load factor 1."""
 
     Q_int: Floats
     Q_ext: Floats
@@ -171,11 +148,8 @@ class Model:
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         with self.counters.effect("elastic"):
             for rod in self.rods:
-                _add(Q_int, rod.dofs, rod.elastic.force(rod.element_vectors(q)))
-        for name, effects in groupby(self.effects, key=_name):
-            with self.counters.effect(name):
-                for effect in effects:
-                    _add(Q_ext, effect.dofs, effect.force(_blocks(q, effect.dofs)))
+                add_blocks(Q_int, rod.dofs, rod.elastic.force(rod.element_vectors(q)))
+        self._effect_sums.forces(Q_int, Q_ext, q)
         self._add_joints(Q_int, Q_ext, q, load_factor)
         return Residual(Q_int, Q_ext)
 
@@ -199,7 +173,7 @@ class Model:
     ) -> tuple[Residual, Floats]:
         """Generalised forces and the tangent dg/dq in flat band storage, supports not yet applied.
 
-        The blocks of joints follow the band (joint_system.py).
+        The blocks of joints and coupled effects follow the band (coupled_system.py).
 
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
@@ -218,7 +192,7 @@ class Model:
                 for run, elastic in rod.pieces:
                     here = e[..., run, :, :]
                     if differences:
-                        unit = _blocks(self.unit, rod.dofs[run])
+                        unit = blocks_of(self.unit, rod.dofs[run])
                         yield elastic.force(here), difference_tangent(elastic.force, here, unit)
                     else:
                         before = None if e_previous is None else e_previous[..., run, :, :]
@@ -231,47 +205,36 @@ class Model:
         Q_int, Q_ext = np.zeros(self.n), np.zeros(self.n)
         flat = np.zeros(self.pattern.entries)
         for (dofs, begin, places), (Q_e, K_e) in zip(self._piece_slots, elastic, strict=True):
-            _add(Q_int, dofs, Q_e)
+            add_blocks(Q_int, dofs, Q_e)
             entries = np.bincount(places, K_e.ravel())
             flat[begin : begin + len(entries)] += entries
-        for name, loads in groupby(zip(self.effects, self._effect_slots, strict=True), key=_effect_name):
-            with self.counters.effect(name):
-                for effect, slots in loads:
-                    e = _blocks(q, effect.dofs)
-                    Q_e, K_e = effect.force_and_tangent(e)
-                    if K_e is not None and self.scene.solver.tangent == "finite-difference":
-                        K_e = difference_tangent(effect.force, e, _blocks(self.unit, effect.dofs))
-                    _add(Q_ext, effect.dofs, Q_e)
-                    if K_e is not None:
-                        np.subtract.at(flat, slots.ravel(), load_factor * K_e.ravel())
-        joints = self._add_joints(Q_int, Q_ext, q, load_factor)
-        if joints:
-            flat = np.concatenate([flat, *joints])
+        coupled = self._effect_sums.terms(Q_int, Q_ext, flat, q, load_factor)
+        blocks = self._add_joints(Q_int, Q_ext, q, load_factor) + coupled
+        if blocks:
+            flat = np.concatenate([flat, *blocks])
         return Residual(Q_int, Q_ext), flat
 
     def under(self, scene: Scene) -> Model:
         """The model of a scene that differs in the values of its loads only; all other arrays are shared."""
         # Made once, shared by all copies.
-        _ = (self.system, self._piece_slots, self._effect_slots, self.force_unit, self.q0)
+        _ = (self.system, self._piece_slots, self._effect_sums, self.force_unit, self.q0)
         model = copy(self)
         model.scene = scene
         model.effects = load_effects(scene, self.rods)
+        model._effect_sums = self._effect_sums.of(model.effects)
         return model
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:
         """Total potential energy [J]; None when a load has none."""
-        total = sum(rod.elastic.energy(rod.element_vectors(q)) for rod in self.rods)
-        for effect in self.effects:
-            V = effect.potential(_blocks(q, effect.dofs))
-            if V is None:
-                return None
-            total += load_factor * V
-        return total
+        V = self._effect_sums.potential(q, load_factor)
+        if V is None:
+            return None
+        return V + sum(rod.elastic.energy(rod.element_vectors(q)) for rod in self.rods)
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether every load has a potential, so that the tangent is symmetric and stability is a minimum."""
-        return all(effect.potential(_blocks(self.q0, effect.dofs)) is not None for effect in self.effects)
+        """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum."""
+        return self._effect_sums.potential(self.q0, 0.0) is not None
 
     def admissible(self, q: Floats) -> Floats:
         """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""
@@ -302,28 +265,30 @@ class Model:
         return found
 
     @cached_property
-    def _effect_slots(self) -> list[NDArray[np.intp]]:
-        return [self.pattern.block_slots(effect.dofs) for effect in self.effects]
+    def _effect_sums(self) -> EffectAssembly:
+        differences = self.scene.solver.tangent == "finite-difference"
+        return EffectAssembly(self.effects, self.pattern, self.unit, differences, self.counters)
 
     @cached_property
     def system(self) -> LinearSystem:
         """Supports, scales, factorisation and solution of the tangent."""
         arguments = (self.pattern, self.supports, self.unit, self.force_unit, self.counters)
-        if self.joints is None:
+        coupled = [effect for effect in self.effects if effect.coupled]
+        if self.joints is None and not coupled:
             return LinearSystem(*arguments)
-        from ancf.joint_system import JointSystem
+        from ancf.coupled_system import CoupledSystem
 
-        return JointSystem(*arguments, self.joints)
+        return CoupledSystem(*arguments, self.joints, coupled)
 
     def supported_tangent(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """Tangent B_2^T K B_2 on the free unknowns [SI], for inspection (paper eq. 10, 38)."""
         from scipy import sparse  # a quarter of a second, for inspection only
 
         _, flat = self.residual_and_tangent(q, load_factor)
-        if self.joints is not None:
-            from ancf.joint_system import JointSystem
+        if type(self.system) is not LinearSystem:
+            from ancf.coupled_system import CoupledSystem
 
-            assert isinstance(self.system, JointSystem)
+            assert isinstance(self.system, CoupledSystem)
             return (self.boundary_matrix().T @ self.system.unsupported(flat) @ self.boundary_matrix()).tocsr()
         b, n = self.pattern.b, self.n
         bands = self.pattern.banded(flat)[b:]
@@ -361,23 +326,3 @@ class Model:
             values += list(basis[i, j])
             count += basis.shape[1]
         return sparse.csr_array((values, (rows, columns)), shape=(self.n, count))
-
-
-def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
-    """The effects of a scene: what it does not list is neither imported nor built."""
-    found: list[Effect] = []
-    for attribute, name in EFFECT_MODULES.items():
-        if getattr(scene, attribute):
-            found += importlib.import_module(f"ancf.effects.{name}").build(scene, rods)
-    return found
-
-
-def _blocks(q: Floats, dofs: NDArray[np.intp]) -> Floats:
-    """Nodal vectors (m, nd / 3, 3) of the blocks."""
-    return q[dofs].reshape(len(dofs), -1, 3)
-
-
-def _add(total: Floats, dofs: NDArray[np.intp], Q: Floats) -> None:
-    begin = int(dofs[0, 0])  # the smallest: unknowns ascend along a rod
-    added = np.bincount(dofs.ravel() - begin, Q.ravel())
-    total[begin : begin + len(added)] += added

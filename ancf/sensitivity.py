@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
+from ancf.effect_assembly import load_effects
 from ancf.errors import InputError, Message
-from ancf.model import Model, load_effects
+from ancf.model import Model
 from ancf.rod_model import RodModel
 from ancf.scene import Rod, Scene
 

@@ -5,7 +5,7 @@ An effect acts on dense blocks of unknowns and knows nothing of the other effect
 
 from __future__ import annotations
 
-from typing import Protocol
+from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,32 +13,36 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-class Effect(Protocol):
-    """What the solver asks of a load.
+class Effect(ABC):
+    """What the solver asks of an effect.
 
     `dofs` (m, nd) are the unknowns of its m blocks; `force` and `force_and_tangent` take the nodal vectors of
     the blocks e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and
     dQ/de (m, nd, nd), None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the
-    load has none.
+    effect has none.
     """
 
     name: str
     dofs: NDArray[np.intp]
+    # A load grows with the load factor; what is passive (a spring, an obstacle) is there from the beginning.
+    passive: bool = False
+    # Whether blocks join unknowns that no element joins: then the tangent is sparse instead of a band.
+    coupled: bool = False
 
+    @abstractmethod
     def force(self, e: Floats) -> Floats:
         """Generalised force Q (m, nd / 3, 3)."""
-        ...
 
+    @abstractmethod
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats | None]:
-        """Q and the load tangent dQ/de (m, nd, nd), None where it is zero."""
-        ...
+        """Q and the tangent dQ/de (m, nd, nd), None where it is zero."""
 
+    @abstractmethod
     def potential(self, e: Floats) -> float | None:
-        """Potential V [J], None for a load without one."""
-        ...
+        """Potential V [J], None for an effect without one."""
 
 
-class DeadLoad:
+class DeadLoad(Effect):
     """A load whose generalised force is constant: Q = S^T F (paper eq. 20)."""
 
     def __init__(self, name: str, dofs: NDArray[np.intp], Q: Floats) -> None:

@@ -35,7 +35,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return effects
 
 
-class FollowerForce:
+class FollowerForce(Effect):
     """A force that keeps its direction relative to the section."""
 
     name = "force"

@@ -37,7 +37,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return effects
 
 
-class FollowerLineLoad:
+class FollowerLineLoad(Effect):
     """A line load that keeps its direction relative to each section."""
 
     name = "line_load"

@@ -49,7 +49,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return effects
 
 
-class _PointMoment:
+class _PointMoment(Effect):
     name = "moment"
 
     def __init__(self, point: SectionPoint, value: Floats, follower: bool) -> None:

@@ -35,7 +35,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return [Chamber(models[pressure.rod], pressure) for pressure in scene.pressures]
 
 
-class Chamber:
+class Chamber(Effect):
     """A closed chamber; blocks are the elements it runs through."""
 
     name = "pressure"

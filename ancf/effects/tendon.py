@@ -39,7 +39,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return [PulledTendon(models[tendon.rod], tendon) for tendon in scene.tendons]
 
 
-class PulledTendon:
+class PulledTendon(Effect):
     """A tendon of given tension."""
 
     name = "tendon"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.joint_system import JointSystem, _odd
+from ancf.coupled_system import CoupledSystem, _odd
 from ancf.model import Model
 from ancf.rotation import exp
 
@@ -112,7 +112,7 @@ def test_the_whole_residual_has_this_tangent_and_load():
     model, at, h = joined("hinge"), 0.7, 1e-6
     q, dq = state(model), model.unit * np.random.default_rng(3).uniform(-1, 1, model.n)
     forces, flat = model.residual_and_tangent(q, at)
-    assert isinstance(model.system, JointSystem)
+    assert isinstance(model.system, CoupledSystem)
     slope = (model.residual(q + h * dq, at).at(at) - model.residual(q - h * dq, at).at(at)) / (2 * h)
     found = model.system.unsupported(flat) @ dq
     scale = np.max(np.abs(slope / model.force_unit))
@@ -210,7 +210,7 @@ def test_negative_eigenvalues_are_those_across_the_conditions(shift):
     The stiffness is shifted by a share of the unit matrix so that there are some.
     """
     model = joined("hinge")
-    assert isinstance(model.system, JointSystem) and model.joints is not None
+    assert isinstance(model.system, CoupledSystem) and model.joints is not None
     _, flat = model.residual_and_tangent(state(model, size=0.02), 0.7)
     n, m = model.motions, model.n - model.motions
     diagonal = model.pattern.slots(np.arange(n), np.arange(n))
@@ -230,7 +230,7 @@ def test_negative_eigenvalues_are_those_across_the_conditions(shift):
 def test_solve_and_row_sum():
     model = joined("rigid")
     _, flat = model.residual_and_tangent(state(model), 0.7)
-    assert isinstance(model.system, JointSystem)
+    assert isinstance(model.system, CoupledSystem)
     dq = model.system.project(model.unit * np.random.default_rng(5).uniform(-1, 1, model.n))
     K = model.system.unsupported(flat)
     found = model.system.solve(model.system.factorise(flat), K @ dq)

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ancf import rod_model
+from ancf.effect_assembly import EFFECT_MODULES
 from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
-from ancf.model import EFFECT_MODULES, Model
+from ancf.model import Model
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, SolverOptions, Support
 from ancf.sections import Circle, Rectangle
 from tests.strategies import draws, fewer

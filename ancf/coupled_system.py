@@ -1,14 +1,17 @@
-r"""The linear system of rods with joints: sparse, with the joints' multipliers among the unknowns.
+r"""The linear system of rods with joints, or with effects that couple more than an element: a sparse one.
+
+The multipliers of the joints are among the unknowns:
 
     [ K   C^T ] [ dq      ]
     [ C    0  ] [ dlambda ]        K with the second derivatives of the joints (joints.py),
 
 projected onto the supports and made dimensionless as without joints (linear_system.py), then factorised with
-pivoting (SuperLU). The tangent is kept flat: the band of the rods, then the dense block of each joint.
+pivoting (SuperLU). The tangent is kept flat: the band of the rods, then the dense block of each joint, then
+those of each coupled effect.
 
 An equilibrium is stable if K is positive on the motions that C leaves. With C of full rank, which the scene's
 check sees to, K has there as many negative eigenvalues as the whole matrix less one for each condition. They
-are counted without eigenvalues of the whole: the unknowns that no joint touches form band matrices, whose
+are counted without eigenvalues of the whole: the unknowns that no block touches form band matrices, whose
 inertia adds to that of the small dense complement of the others (Haynsworth 1968, Linear Algebra Appl. 1).
 
 A rod closed to a ring has neutral motions: a round one may turn about its tangent at the joint, every section
@@ -26,7 +29,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import block_diag
 from scipy.sparse.linalg import splu
 
 from ancf.band import (
@@ -38,6 +40,7 @@ from ancf.band import (
     negative_eigenvalues,
 )
 from ancf.counters import Counters
+from ancf.effects import Effect
 from ancf.joints import Joints
 from ancf.linear_system import LinearSystem
 from ancf.supports import NodeSupport
@@ -63,7 +66,7 @@ class Neutral:
 
 @dataclass(frozen=True)
 class SparseLU:
-    """LU factors of the matrix with its joints; see `band.Factors`."""
+    """LU factors of the sparse matrix; see `band.Factors`."""
 
     lu: Any  # scipy.sparse.linalg.SuperLU
     conditions: int
@@ -132,13 +135,15 @@ def _odd(permutation: Indices) -> int:
     return (len(permutation) - cycles) % 2
 
 
-class JointSystem(LinearSystem):
-    """Linear algebra of one model with joints; the unknowns of the rods come first.
+class CoupledSystem(LinearSystem):
+    """Linear algebra of one model with joints or coupled effects; the unknowns of the rods come first.
 
     Parameters
     ----------
     pattern : band of the rods' tangent
     unit, force_unit : (n,) of the rods' unknowns and the multipliers
+    joints : None where there is none
+    effects : those that are `coupled`
     """
 
     def __init__(
@@ -148,11 +153,13 @@ class JointSystem(LinearSystem):
         unit: Floats,
         force_unit: Floats,
         counters: Counters,
-        joints: Joints,
+        joints: Joints | None,
+        effects: list[Effect],
     ) -> None:
         super().__init__(pattern, supports, unit, force_unit, counters)
         self.joints = joints
-        self.conditions = joints.end - pattern.n
+        self.effects = effects
+        self.conditions = len(unit) - pattern.n
 
     @cached_property
     def _band(self) -> tuple[Indices, Indices, Indices]:
@@ -163,41 +170,29 @@ class JointSystem(LinearSystem):
         inside = (row >= 0) & (row < n)
         return row[inside], column[inside], self.pattern.slots(row[inside], column[inside])
 
-    @cached_property
     def _blocks(self) -> tuple[Indices, Indices]:
-        """Row and column of each entry of the joints' blocks."""
-        dofs = [joint.dofs for joint in self.joints.models]
-        rows = np.concatenate([np.repeat(d, len(d)) for d in dofs])
-        return rows, np.concatenate([np.tile(d, len(d)) for d in dofs])
+        """Row and column of each entry of the blocks, which an effect may have changed."""
+        joints = [] if self.joints is None else [joint.dofs[None] for joint in self.joints.models]
+        dofs = [*joints, *(effect.dofs for effect in self.effects)]
+        rows = np.concatenate([np.repeat(d, d.shape[1], axis=1).ravel() for d in dofs])
+        return rows, np.concatenate([np.tile(d, d.shape[1]).ravel() for d in dofs])
 
     @cached_property
-    def _projectors(self) -> list[Floats]:
-        """Projector (nd, nd) of the supports on the unknowns of each joint.
-
-        Sections of one rod may share unknowns, so each is projected by itself.
-        """
-        found = []
-        for joint in self.joints.models:
-            parts = []
-            for section in joint.sections:
-                dofs = section.point.dofs
-                identity = np.zeros((len(self.unit), len(dofs)))
-                identity[dofs, np.arange(len(dofs))] = 1.0
-                parts.append(self.project(identity)[dofs])
-            found.append(block_diag(*parts, np.eye(joint.conditions)))
-        return found
-
-    def _dense(self, flat: Floats) -> list[Floats]:
-        """Blocks (nd, nd) of the joints in the flat storage [SI]."""
-        sizes = [len(joint.dofs) for joint in self.joints.models]
-        cuts = np.cumsum([size**2 for size in sizes])[:-1]
-        parts = np.split(flat[self.pattern.entries :], cuts)
-        return [part.reshape(size, size) for part, size in zip(parts, sizes, strict=True)]
+    def _projector(self) -> sparse.csr_array:
+        """Projector (n, n) of the supports."""
+        n = len(self.unit)
+        rows, columns, values = [np.arange(n)], [np.arange(n)], [np.ones(n)]
+        for s in self.supports:
+            rows.append(np.repeat(s.dofs, len(s.dofs)))
+            columns.append(np.tile(s.dofs, len(s.dofs)))
+            values.append((s.projector - np.eye(len(s.dofs))).ravel())
+        entries = tuple(np.concatenate(part) for part in (values, rows, columns))
+        return sparse.coo_array((entries[0], entries[1:]), shape=(n, n)).tocsr()
 
     def unsupported(self, flat: Floats) -> sparse.csr_array:
         """The tangent [SI], supports not applied."""
         row, column, slot = self._band
-        rows, columns = (np.concatenate(pair) for pair in zip((row, column), self._blocks, strict=True))
+        rows, columns = (np.concatenate(pair) for pair in zip((row, column), self._blocks(), strict=True))
         values = np.concatenate([flat[slot], flat[self.pattern.entries :]])
         n = len(self.unit)
         return sparse.coo_array((values, (rows, columns)), shape=(n, n)).tocsr()
@@ -205,14 +200,12 @@ class JointSystem(LinearSystem):
     def matrix(self, flat: Floats) -> sparse.csc_array:
         """The dimensionless tangent, 1 on the diagonal for what the supports hold."""
         row, column, slot = self._band
+        n, P = len(self.unit), self._projector
         rods = self.supported(flat[: self.pattern.entries])[slot]
-        blocks = []
-        for joint, P, K in zip(self.joints.models, self._projectors, self._dense(flat), strict=True):
-            scaled = K * self.unit[joint.dofs] / self.force_unit[joint.dofs][:, None]
-            blocks.append((P @ scaled @ P).ravel())
-        rows, columns = (np.concatenate(pair) for pair in zip((row, column), self._blocks, strict=True))
-        n = len(self.unit)
-        return sparse.coo_array((np.concatenate([rods, *blocks]), (rows, columns)), shape=(n, n)).tocsc()
+        rows, columns = self._blocks()
+        scaled = flat[self.pattern.entries :] * self.unit[columns] / self.force_unit[rows]
+        blocks = P @ sparse.coo_array((scaled, (rows, columns)), shape=(n, n)).tocsr() @ P
+        return (sparse.coo_array((rods, (row, column)), shape=(n, n)).tocsr() + blocks).tocsc()
 
     def factorise(self, flat: Floats) -> Factors:
         """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
@@ -243,7 +236,10 @@ class JointSystem(LinearSystem):
             v, conditions = neutral.motion[:, None], conditions + 1
             A = sparse.block_array([[A, v], [v.T, None]]).tocsr()
         held = np.zeros(A.shape[0], dtype=bool)
-        held[self.joints.held_dofs] = True
+        if self.joints is not None:
+            held[self.joints.held_dofs] = True
+        for effect in self.effects:
+            held[effect.dofs] = True
         held[self.pattern.n :] = True
         inner, outer = np.flatnonzero(~held), np.flatnonzero(held)
         complement = A[outer][:, outer].toarray()
