@@ -52,6 +52,7 @@ class Element:
     formulations : the formulations that the element knows, its default first (section_energy.py)
     assumed : strains that the default axial rule samples elsewhere on the axis, -1 to 1, than at its points
         (assumed_strain.py); other rules take every strain at their points
+    controlled : whether the default axial rule needs what its points miss of the sections (hourglass.py)
     """
 
     name: str
@@ -62,6 +63,7 @@ class Element:
     locks_from: int
     formulations: tuple[str, ...] = ("enhanced", "continuum")
     assumed: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    controlled: bool = False
 
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
@@ -193,7 +195,8 @@ def _monomial(power: int, derivative: int, xi: Floats) -> Floats:
 # 3333: quadratic axis and section vectors. Two points remove curvature-thickness, shear and membrane locking.
 # 3343: 3333 with r_yz, by which rectangles warp in torsion. Strains of the section at the nodes remove what
 # is left of curvature-thickness locking: an order of magnitude less error than 3333 at the same mesh.
-# 3363: 3333 with quadratic sections, which show the in-plane field of bending: the continuum without locking.
+# Sections that can warp may swell between two points almost for nothing, hence the control (hourglass.py).
+# 3363: 3343 with quadratic sections, which show the in-plane field of bending: the continuum without locking.
 # cable: cubic Hermite axis alone. With its strain taken at the nodes, which neighbours share, and in the
 # middle it can bend without stretching; its curvature is best at two Gauss points; three points leave no mode
 # free.
@@ -208,6 +211,7 @@ ELEMENTS: dict[str, Element] = {
         full_points=5,
         locks_from=3,
         assumed=(("section", (-1.0, 0.0, 1.0)),),
+        controlled=True,
     ),
     "3363": Element(
         "3363",
@@ -217,6 +221,8 @@ ELEMENTS: dict[str, Element] = {
         full_points=5,
         locks_from=3,
         formulations=("continuum",),
+        assumed=(("section", (-1.0, 0.0, 1.0)),),
+        controlled=True,
     ),
     "cable": Element(
         "cable",

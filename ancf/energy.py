@@ -9,6 +9,8 @@ At each axial point v = N e (section_energy.generalised_shape) and gamma_ij = v_
 With assumed strains (assumed_strain.py) T and H belong to gamma_bar(x_g) = sum_s A_gs gamma(x_s): the same
 expressions with S of A^T T at the places x_s, and B^T H B with B = A B_v N.
 
+What the points miss of the sections is a second energy of the same form, `control` (hourglass.py).
+
 T and H carry the axial weight. S is the stress resultant of each product; the *mixed-integration-point*
 tangent (Magisano, Leonetti, Garcea, Int. J. Numer. Meth. Eng. 109 (2017) 1183) replaces it, in the tangent
 only, by the stress that the last linear step predicted: T(gamma_o) + H(gamma_o) (gamma - gamma_o) at
@@ -47,6 +49,7 @@ class ElasticRod:
     position_columns : which nodal vectors of an element are positions
     assumed : (points, places, pairs) strain products at the axial points from those at the places; None: the
         places are the axial points
+    control : energy besides, of what the axial points do not see (hourglass.py)
     """
 
     N: Floats
@@ -54,6 +57,7 @@ class ElasticRod:
     e0: Floats
     position_columns: NDArray[np.intp]
     assumed: Floats | None = None
+    control: ElasticRod | None = None
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -98,7 +102,8 @@ class ElasticRod:
 
     def energy(self, e: Floats) -> float:
         """Strain energy [J]."""
-        return self.section.energy(self.gamma(self.generalised(e)))
+        U = self.section.energy(self.gamma(self.generalised(e)))
+        return U if self.control is None else U + self.control.energy(e)
 
     def _symmetric(self, T: Floats) -> Floats:
         """S (..., vectors, vectors) with Q_v = S v from the packed resultants T."""
@@ -122,13 +127,21 @@ class ElasticRod:
 
     def force(self, e: Floats) -> Floats:
         """Elastic force Q (n_el, nodal vectors, 3), the gradient of the energy (paper eq. 18)."""
-        return self._force_to_nodes(self.vector_force(self.generalised(e)))
+        Q = self._force_to_nodes(self.vector_force(self.generalised(e)))
+        return Q if self.control is None else Q + self.control.force(e)
 
     def force_and_tangent(self, e: Floats, e_previous: Floats | None = None) -> tuple[Floats, Floats]:
         """Elastic force (n_el, nodal, 3) and tangent (n_el, 3 nodal, 3 nodal), symmetric.
 
         With `e_previous` the geometric part uses the mixed-integration-point stress.
         """
+        Q, K = self._force_and_tangent(e, e_previous)
+        if self.control is not None:
+            Q_c, K_c = self.control.force_and_tangent(e, e_previous)
+            return Q + Q_c, K + K_c
+        return Q, K
+
+    def _force_and_tangent(self, e: Floats, e_previous: Floats | None) -> tuple[Floats, Floats]:
         v = self.generalised(e)
         T, H = self.section.response(self.gamma(v))
         S = self._symmetric(self._at_places(T))
@@ -142,7 +155,7 @@ class ElasticRod:
         return Q, self._tangent_to_nodes(self._material(v, H) + _times_identity(S))
 
     def material_tangent(self, v: Floats) -> Floats:
-        """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at generalised vectors v."""
+        """Part B^T H B of the tangent (n_el, 3 nodal, 3 nodal) at v, without `control`."""
         H = self.section.response(self.gamma(v))[1]
         return (
             self._tangent_to_nodes(self._material(v, H))

@@ -18,6 +18,7 @@ from ancf.assumed_strain import sampling
 from ancf.cable import cable_section
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
+from ancf.hourglass import NODES, control_weight, swelling
 from ancf.hyperelastic import Law
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import Mesh, make_mesh, reference_axis, reference_nodes, rod_breaks
@@ -28,6 +29,7 @@ from ancf.section_energy import (
     generalised_shape,
     section_stiffness,
     section_terms,
+    shear_energy_matrix,
     straight_reference,
     straight_section_stiffness,
 )
@@ -209,7 +211,25 @@ class RodModel:
             section = QuadraticSection(_spread(weight * np.array(H), kind))
         else:
             section = QuadratureSection(self._groups(v0))
-        return ElasticRod(_spread(N, kind), section, self.e0, columns, assumed)
+        return ElasticRod(_spread(N, kind), section, self.e0, columns, assumed, self._control(columns))
+
+    def _control(self, position_columns: Indices) -> ElasticRod | None:
+        """Energy of the sections that the default axial rule of the element misses (hourglass.py)."""
+        if not (self.element.controlled and self.rod.axial_rule == "default"):
+            return None
+        first, kind = self.element_kinds
+        N, H = [], []
+        for index in first:
+            h, rod = float(self.mesh.h[index]), self._local(index, 0.0)
+            shape = generalised_shape(self.element, NODES, h)
+            v0 = shape[1] @ _relative(self.element, self.e0[index])
+            weight = control_weight(h, rod.section.radius_of_gyration)
+            N.append(shape)
+            H.append([weight * shear_energy_matrix(self.element, rod, v0)])
+        section = QuadraticSection(_spread(np.array(H), kind))
+        return ElasticRod(
+            _spread(np.array(N), kind), section, self.e0, position_columns, swelling(self.element)
+        )
 
     @cached_property
     def pieces(self) -> list[tuple[slice, ElasticRod]]:
@@ -227,7 +247,7 @@ class RodModel:
         if count <= PIECE or not shared:
             return [(slice(0, count), elastic)]
         runs = [slice(first, min(first + PIECE, count)) for first in range(0, count, PIECE)]
-        return [(run, replace(elastic, e0=elastic.e0[run])) for run in runs]
+        return [(run, _piece(elastic, run)) for run in runs]
 
     def _local(self, element: int, xi: float) -> Rod:
         """The prismatic rod that an element is at xi."""
@@ -352,6 +372,12 @@ def _shapes(element: Element, xi: float, h: float) -> tuple[Floats, Floats]:
 def _spread(values: Floats, kind: Indices) -> Floats:
     """Values (kinds, ...) for each element (n_el, ...); one kind serves all as (1, ...)."""
     return values if len(values) == 1 else values[kind]
+
+
+def _piece(elastic: ElasticRod, run: slice) -> ElasticRod:
+    """The kernel of a run of alike elements."""
+    control = None if elastic.control is None else replace(elastic.control, e0=elastic.control.e0[run])
+    return replace(elastic, e0=elastic.e0[run], control=control)
 
 
 def _relative(element: Element, e: Floats) -> Floats:

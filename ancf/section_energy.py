@@ -191,6 +191,13 @@ def _stiffness(
     return 0.5 * (H + H.T)
 
 
+def shear_energy_matrix(element: Element, rod: Rod, v0: Floats) -> Floats:
+    """Matrix H (pairs, pairs) of int mu E : E dA, for any law (`v0` as in `section_stiffness`)."""
+    rule = rod.section.quadrature(quadrature_degree(element, rod))
+    shape = rod.material.lame_mu * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+    return _integrate(element, v0, rule, shape)
+
+
 def section_terms(element: Element, rod: Rod, v0: Floats) -> tuple[Term | ProjectedTerm, ...]:
     """Potentials of a rubber rod on their section points, as in `section_stiffness` (`v0` likewise)."""
     assert not isinstance(rod.material, SaintVenantKirchhoff)

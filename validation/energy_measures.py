@@ -50,7 +50,35 @@ def integrated_energy(model: RodModel, q: Floats) -> float:
     for e, e0, h in zip(per_element(model, q), model.e0, model.mesh.h, strict=True):
         for xi, weight in zip(*gauss(model.axial_points), strict=True):
             total += 0.5 * h * weight * _section_energy(model, e, e0, xi, h)
+        if _is_controlled(model):
+            total += _swelling_energy(model, e, e0, h)
     return float(total)
+
+
+def _is_controlled(model: RodModel) -> bool:
+    """Whether the rod has the energy besides that its axial points miss of the sections."""
+    return model.rod.axial_rule == "default" and model.element.controlled
+
+
+def _swelling_energy(model: RodModel, e: Floats, e0: Floats, h: float) -> float:
+    """Energy [J] of the second difference of the section's metric over the nodes.
+
+    1/2 c h/45 int 2 mu E : E dA with 2 E_ab = C_ab(-1) - 2 C_ab(0) + C_ab(1) less its reference value, a, b
+    in {y, z}, and c = min(1, sqrt(I/A)/h).
+    """
+    section = model.rod.section
+    y, z, area = section.quadrature(CHECK_DEGREE)
+    change = np.zeros((len(y), 3, 3))
+    for xi, share in ((-1.0, 1.0), (0.0, -2.0), (1.0, 1.0)):
+        for sign, x in ((1.0, e), (-1.0, e0)):
+            _, J = frame_and_gradients(model, x, xi, h, y, z)
+            change[:, 1:, 1:] += sign * share * (np.swapaxes(J, -1, -2) @ J)[:, 1:, 1:]
+    R0, J0 = frame_and_gradients(model, e0, 0.0, h, y, z)
+    to_local = np.linalg.inv(J0) @ R0
+    E = 0.5 * np.swapaxes(to_local, -1, -2) @ change @ to_local
+    c = min(1.0, float(np.sqrt(section.weaker_second_moment / section.area)) / h)
+    density = model.rod.material.lame_mu * np.sum(E * E, axis=(-2, -1))
+    return c * h / 45.0 * float(np.sum(area * np.linalg.det(J0) * density))
 
 
 def _section_energy(model: RodModel, e: Floats, e0: Floats, xi: float, h: float) -> float:

@@ -1,0 +1,44 @@
+r"""Hourglass control: what two axial points do not see of the strains of the sections.
+
+Two Gauss points are the zeros of P_2(xi) = (3 xi^2 - 1)/2. Sections that swell by P_2 along a quadratic
+element strain there by nothing; their warping, u_x = -(swelling)' y^2/2, takes the shear away as well, and in
+a long element next to no energy is left. The swelling is in the second difference of the strain products
+between directors, gamma_p at the nodes,
+
+    eta_p = gamma_p(-1) - 2 gamma_p(0) + gamma_p(1) = 3 (share of P_2),
+
+and the energy that the exact integral over the element gives it, int P_2^2 dx = h/5, is
+
+    U = 1/2 c h/45 int 2 mu E : E dA,   E = 1/2 (second difference of the metric of the section),
+
+with c = min(1, rho/h), rho the radius of gyration. The factor c makes it the energy of a layer:
+what a clamp does to the sections decays within about rho, not within a long element. At the nodes directors
+are free, so a turning section does not shrink there and eta vanishes in bending; it is of the order h^2 where
+the contraction changes along the rod. (Flanagan, Belytschko, Int. J. Numer. Meth. Eng. 17 (1981) 679.)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.assumed_strain import kind_of
+from ancf.elements import Element
+from ancf.section_energy import pairs
+
+Floats = NDArray[np.float64]
+
+NODES = np.array([-1.0, 0.0, 1.0])
+SECOND_DIFFERENCE = np.array([1.0, -2.0, 1.0])
+
+
+def swelling(element: Element) -> Floats:
+    """Map (1, nodes, pairs) from the strain products at the nodes to eta; 0 for other products."""
+    v = element.generalised
+    of_section = [kind_of(v[i], v[j]) == "section" for i, j in zip(*pairs(len(v)), strict=True)]
+    return np.multiply.outer(SECOND_DIFFERENCE, np.array(of_section, dtype=float))[None]
+
+
+def control_weight(h: float, radius_of_gyration: float) -> float:
+    """c h/45 [m] for an element of length h [m]."""
+    return min(1.0, radius_of_gyration / h) * h / 45.0
