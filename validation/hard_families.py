@@ -11,11 +11,14 @@ from validation.criteria import Limit
 from validation.hard_case import TYPED, HardCase
 from validation.hard_limits import MESH_CIRCLE, MESH_QUARTER, WALKED, deviation, energy, thin
 from validation.hard_scenes import (
+    FREE_SECTION,
     FULL_CIRCLE,
     QUARTER,
     arm,
+    force,
     from_arc,
     from_helix,
+    from_rod,
     moment,
     rolled,
 )
@@ -140,8 +143,10 @@ def _meshes() -> Iterator[HardCase]:
         limits=thin(QUARTER, 400, MESH_QUARTER),
         deviation=exact,
     )
+    as_3333 = thin(FULL_CIRCLE, 400, MESH_CIRCLE)[0].value
     for element, limit, why in (
-        ("3363", thin(FULL_CIRCLE, 400, MESH_CIRCLE)[0].value, "as 3333"),
+        ("3363", as_3333, "as 3333"),
+        ("3343", as_3333, "as 3333"),
         ("3243", 0.5, "curvature-thickness locking (theory.md 3): not the limit of a good element"),
     ):
         yield HardCase(
@@ -151,6 +156,32 @@ def _meshes() -> Iterator[HardCase]:
             "the other elements",
             limits=deviation(limit, why),
             deviation=from_arc(FULL_CIRCLE),
+        )
+    for element in ("3343", "3363"):
+        yield HardCase(
+            family,
+            f"4 long elements {element}, free section",
+            rolled(QUARTER, 400, element=element, elements=4, supports=FREE_SECTION),
+            "h = 100 R, and nothing holds the sections but their own strain (hourglass.py)",
+            limits=thin(QUARTER, 400, 4 * MESH_QUARTER),
+            deviation=from_arc(QUARTER),
+        )
+    steep = Limit(
+        "energy balance", 5e-3, "U", "most of the turn happens in the first steps of a hundred",
+        kind="non-regression",
+    )  # fmt: skip
+    for number, elements in ((1, 24), (100, 24), (1000, 96)):
+        own = deviation(1e-3, "the layer of length L/sqrt(2 number) at the clamp, two elements or more")
+        yield HardCase(
+            family,
+            f"cable, tip force P L2/EI = {number}",
+            arm(4000, element="cable", elements=elements, force=[force([0, number, 0], 4000)]),
+            "no sections: bending that gives way to tension",
+            limits=(*own, steep) if number == 100 else own,
+            deviation=from_rod,
+            not_asked=dict.fromkeys(WALKED, "the first of a hundred steps turns the rod by half")
+            if number == 1000
+            else {},
         )
 
 
