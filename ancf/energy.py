@@ -35,6 +35,8 @@ from ancf.section_law import SectionLaw
 
 Floats = NDArray[np.float64]
 
+ALL = slice(None)
+
 
 @dataclass(frozen=True)
 class ElasticRod:
@@ -165,23 +167,46 @@ class ElasticRod:
 
     def geometric_tangent(self, S: Floats) -> Floats:
         """Part N^T S N (x) I of the tangent (n_el, 3 nodal, 3 nodal), S at the places."""
-        return self._tangent_to_nodes(_times_identity(S))
+        half = S @ self.N
+        return _times_identity(self._N_stacked @ half.reshape(*half.shape[:-3], -1, half.shape[-1]))
 
     def _material(self, v: Floats, H: Floats) -> Floats:
         """B_v^T H B_v (n_el, points, 3 vectors, 3 vectors) on the generalised vectors."""
         B_v = self._strain_changes(v)
         return np.swapaxes(B_v, -1, -2) @ (H @ B_v)
 
+    @cached_property
+    def _samplings(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp], Floats]]:
+        """Pairs that are sampled alike: their indices, the places, and A (points, places) for them."""
+        assert self.assumed is not None
+        points = len(self.assumed)
+        _, first, alike = np.unique(
+            self.assumed.reshape(-1, self.assumed.shape[-1]), axis=1, return_index=True, return_inverse=True
+        )
+        found = []
+        for group, pair in enumerate(first):
+            A = self.assumed[:, :, pair]
+            places = np.flatnonzero(np.any(A != 0.0, axis=0))
+            found.append((np.flatnonzero(alike.ravel() == group), places, A[:, places].reshape(points, -1)))
+        return found
+
     def _assumed_material(self, v: Floats, H: Floats) -> Floats:
         """B^T H B (n_el, 3 nodal, 3 nodal), B = A B_v N the change of the assumed strains."""
         assert self.assumed is not None
-        B = np.einsum("gsp,...spc->...gpc", self.assumed, self._strain_changes(v) @ self._N_components)
-        return np.sum(np.swapaxes(B, -1, -2) @ (H @ B), axis=-3)
+        N = self._N_components
+        points, size = len(self.assumed), N.shape[-1]
+        B = np.empty((*v.shape[:-3], points, len(self._pairs[0]), size))
+        for chosen, places, A in self._samplings:
+            change = self._strain_changes(v[..., places, :, :], chosen) @ N[:, places]
+            mixed = A @ change.reshape(*change.shape[:-3], len(places), -1)
+            B[..., chosen, :] = mixed.reshape(*mixed.shape[:-1], len(chosen), size)
+        stacked = B.reshape(*B.shape[:-3], -1, size)
+        return np.swapaxes(stacked, -1, -2) @ (H @ B).reshape(stacked.shape)
 
-    def _strain_changes(self, v: Floats) -> Floats:
-        """B_v = d gamma / d v (n_el, places, pairs, 3 vectors)."""
+    def _strain_changes(self, v: Floats, chosen: NDArray[np.intp] | slice = ALL) -> Floats:
+        """B_v = d gamma / d v (n_el, places, pairs, 3 vectors), of the chosen pairs."""
         *places, count, _ = v.shape
-        i, j = self._pairs
+        i, j = (side[chosen] for side in self._pairs)
         index = np.arange(len(i))
         B_v = np.zeros((*places, len(i), count, 3))
         B_v[..., index, i, :] = v[..., j, :]

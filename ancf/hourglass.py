@@ -22,7 +22,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.assumed_strain import kind_of
 from ancf.elements import Element
 from ancf.section_energy import pairs
 
@@ -33,10 +32,17 @@ SECOND_DIFFERENCE = np.array([1.0, -2.0, 1.0])
 
 
 def swelling(element: Element) -> Floats:
-    """Map (1, nodes, pairs) from the strain products at the nodes to eta; 0 for other products."""
-    v = element.generalised
-    of_section = [kind_of(v[i], v[j]) == "section" for i, j in zip(*pairs(len(v)), strict=True)]
-    return np.multiply.outer(SECOND_DIFFERENCE, np.array(of_section, dtype=float))[None]
+    """Map (1, nodes, pairs) from the products of the directors at the nodes to eta."""
+    count = len(pairs(len(element.directors) - 1)[0])
+    return np.multiply.outer(SECOND_DIFFERENCE, np.ones(count))[None]
+
+
+def of_directors(element: Element, H: Floats) -> Floats:
+    """The part of H (pairs, pairs) that belongs to products between directors."""
+    i, j = pairs(len(element.generalised))
+    first = len(element.directors)  # the slopes come before
+    chosen = np.flatnonzero((i >= first) & (j >= first))
+    return H[np.ix_(chosen, chosen)]
 
 
 def control_weight(h: float, radius_of_gyration: float) -> float:

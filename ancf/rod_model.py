@@ -18,7 +18,7 @@ from ancf.assumed_strain import sampling
 from ancf.cable import cable_section
 from ancf.elements import ELEMENTS, Element, R
 from ancf.energy import ElasticRod
-from ancf.hourglass import NODES, control_weight, swelling
+from ancf.hourglass import NODES, control_weight, of_directors, swelling
 from ancf.hyperelastic import Law
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mesh import Mesh, make_mesh, reference_axis, reference_nodes, rod_breaks
@@ -224,8 +224,8 @@ class RodModel:
             shape = generalised_shape(self.element, NODES, h)
             v0 = shape[1] @ _relative(self.element, self.e0[index])
             weight = control_weight(h, rod.section.radius_of_gyration)
-            N.append(shape)
-            H.append([weight * shear_energy_matrix(self.element, rod, v0)])
+            N.append(shape[:, len(self.element.directors) :])  # directors alone, without slopes
+            H.append([weight * of_directors(self.element, shear_energy_matrix(self.element, rod, v0))])
         section = QuadraticSection(_spread(np.array(H), kind))
         return ElasticRod(
             _spread(np.array(N), kind), section, self.e0, position_columns, swelling(self.element)
