@@ -1,0 +1,158 @@
+r"""The fused kernel on a CUDA GPU (extra `cuda`): one sample a thread, the functions of the CPU kernel.
+
+numba-cuda compiles the `njit` functions that a kernel calls for the device, from the same Python source; a
+lane array is then the thread's own column (lane_column.py) of its warp's tile (rows, 32). A tile of 8
+elements 3333 has 6591 rows, 1.7 MB, far more than a warp's share of the caches, so memory is what limits.
+
+Everything is float64. Tables are copied to the device once a model.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numba import cuda as numba_cuda
+from numpy.typing import NDArray
+
+from ancf.batch_rows import RowsResult
+from ancf.fused import FEW, Found, problem_of, tables_of, turns
+from ancf.fused_kernel import digest
+from ancf.fused_lane import solve_lane
+from ancf.fused_memory import Lanes
+from ancf.model import Model
+
+Floats = NDArray[np.float64]
+
+cuda: Any = numba_cuda  # its annotations do not describe kernels
+
+WARP = 32
+WIDTH = (0.0,) * WARP
+# The kernel needs all 255 registers of a thread, so that 8 warps fill the register file of a multiprocessor.
+RESIDENT = 8
+# Fraction of the free memory that the tiles may take.
+SHARE = 0.8
+
+
+class Resident(NamedTuple):
+    """What stays on the device: `fused.Tables` up to `at`, and the units of the coordinates."""
+
+    unit: Any
+    tables: tuple[Any, ...]
+
+
+_resident: WeakKeyDictionary[Model, Resident] = WeakKeyDictionary()
+
+
+def present() -> bool:
+    """Whether there is a GPU with a driver."""
+    return bool(cuda.is_available())
+
+
+def kernel(problem, found, unit, mesh, elastic, projectors, loads, start, at, state, memory):
+    """Solve every sample of a batch; a block is one warp, which owns one tile of `state` and `memory`."""
+    tile, lane = cuda.blockIdx.x, cuda.threadIdx.x
+    own = Lanes(
+        state.sample[tile],
+        state.status[tile],
+        state.iteration[tile],
+        state.quiet[tile],
+        state.step[tile],
+        state.residual[tile],
+        state.fixed[tile, :, :, lane],
+        state.turning[tile, :, :, lane],
+        state.frames[tile, :, :, :, lane],
+        state.carried[tile, :, :, lane],
+        state.scratch[tile, :, :, :, lane],
+    )
+    solve_lane(
+        tile * WARP + lane,
+        cuda.gridDim.x * WARP,
+        lane,
+        problem,
+        found,
+        unit,
+        mesh,
+        elastic,
+        projectors,
+        loads,
+        start,
+        at,
+        own,
+        memory[tile],
+        WIDTH,
+    )
+
+
+kernel.__qualname__ = f"kernel_{digest()}"  # names its file in numba's cache, as in fused_kernel.py
+_compiled: Any = cuda.jit(cache=True)(kernel)
+
+
+def solve_rows(
+    model: Model,
+    moments: Floats,
+    forces: Floats,
+    start: Floats | None = None,
+    *,
+    tolerance: float | None = None,
+    max_iterations: int = 25,
+) -> RowsResult:
+    """Solve one rod under many loads, as `fused.solve_rows` with the same parameters.
+
+    Raises the errors of numba-cuda where there is no GPU (`fused.no_gpu`) or no memory for a single tile.
+    """
+    rows, floor = len(moments), tables_of(model, FEW).floor
+    with turns:
+        unit, tables = _on_device(model)
+        problem = _copied(problem_of(model, moments, forces, start, tolerance, floor, max_iterations))
+        found = Found(
+            cuda.device_array((rows, model.n)),
+            cuda.device_array(rows, np.bool_),
+            cuda.device_array(rows),
+            cuda.device_array(rows, np.int64),
+        )
+        if rows:
+            tiles = _tiles(model, rows)
+            state, memory = tile_arrays(model, tiles, cuda.device_array)
+            _compiled[tiles, WARP](problem, found, unit, *tables, state, memory)
+        x, converged, residual, iterations = (array.copy_to_host() for array in found)
+    return RowsResult(x, converged, residual, np.full(rows, floor), iterations)
+
+
+def tile_arrays(model: Model, tiles: int, empty: Any) -> tuple[Lanes, Any]:
+    """State and memory (tiles, rows, 32) of all tiles, neighbours in the last axis; `empty` makes an array."""
+    tables = tables_of(model, FEW)
+    lanes = (tiles, WARP)
+    state = {
+        name: empty((tiles, *array.shape, WARP) if array.ndim > 1 else lanes, array.dtype)
+        for name, array in tables.state._asdict().items()
+    }
+    return Lanes(**state), empty((tiles, len(tables.memory), WARP), np.float64)
+
+
+def _tiles(model: Model, rows: int) -> int:
+    """How many warps work at a time: as the rows need, the device keeps running, and its memory takes."""
+    context = cuda.current_context()
+    # Numba's simulator has no multiprocessors, and endless memory.
+    resident = RESIDENT * getattr(context.device, "MULTIPROCESSOR_COUNT", 1)
+    room = SHARE * context.get_memory_info().free / (8 * WARP * len(tables_of(model, FEW).memory))
+    return max(1, int(min(-(-rows // WARP), resident, room)))
+
+
+def _on_device(model: Model) -> Resident:
+    if model not in _resident:
+        tables = tables_of(model, FEW)
+        parts = (tables.mesh, tables.elastic, tables.projectors, tables.loads, tables.start, tables.at)
+        _resident[model] = Resident(cuda.to_device(model.unit), tuple(_copied(part) for part in parts))
+    return _resident[model]
+
+
+def _copied(record: Any) -> Any:
+    """A record with its arrays copied to the device, in rows, so that all models are of the same types."""
+    return type(record)(
+        *(
+            cuda.to_device(np.ascontiguousarray(value)) if isinstance(value, np.ndarray) else value
+            for value in record
+        )
+    )
