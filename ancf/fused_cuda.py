@@ -19,16 +19,13 @@ from numpy.typing import NDArray
 from ancf.batch_rows import RowsResult
 from ancf.fused import FEW, Found, problem_of, tables_of, turns
 from ancf.fused_kernel import digest
-from ancf.fused_lane import solve_lane
-from ancf.fused_memory import Lanes
+from ancf.fused_lane import TILE, solve_lane, tile_arrays
 from ancf.model import Model
 
 Floats = NDArray[np.float64]
 
 cuda: Any = numba_cuda  # its annotations do not describe kernels
 
-WARP = 32
-WIDTH = (0.0,) * WARP
 # The kernel needs all 255 registers of a thread, so that 8 warps fill the register file of a multiprocessor.
 RESIDENT = 8
 # Fraction of the free memory that the tiles may take.
@@ -50,26 +47,12 @@ def present() -> bool:
     return bool(cuda.is_available())
 
 
-def kernel(problem, found, unit, mesh, elastic, projectors, loads, start, at, state, memory):
-    """Solve every sample of a batch; a block is one warp, which owns one tile of `state` and `memory`."""
-    tile, lane = cuda.blockIdx.x, cuda.threadIdx.x
-    own = Lanes(
-        state.sample[tile],
-        state.status[tile],
-        state.iteration[tile],
-        state.quiet[tile],
-        state.step[tile],
-        state.residual[tile],
-        state.fixed[tile, :, :, lane],
-        state.turning[tile, :, :, lane],
-        state.frames[tile, :, :, :, lane],
-        state.carried[tile, :, :, lane],
-        state.scratch[tile, :, :, :, lane],
-    )
+def kernel(problem, found, unit, mesh, elastic, projectors, loads, start, at, states, memories):
+    """Solve every sample of a batch; a block is one warp, which owns one tile of `states` and `memories`."""
     solve_lane(
-        tile * WARP + lane,
-        cuda.gridDim.x * WARP,
-        lane,
+        cuda.blockIdx.x,
+        cuda.threadIdx.x,
+        cuda.gridDim.x,
         problem,
         found,
         unit,
@@ -79,9 +62,8 @@ def kernel(problem, found, unit, mesh, elastic, projectors, loads, start, at, st
         loads,
         start,
         at,
-        own,
-        memory[tile],
-        WIDTH,
+        states,
+        memories,
     )
 
 
@@ -114,21 +96,10 @@ def solve_rows(
         )
         if rows:
             tiles = _tiles(model, rows)
-            state, memory = tile_arrays(model, tiles, cuda.device_array)
-            _compiled[tiles, WARP](problem, found, unit, *tables, state, memory)
+            states, memories = tile_arrays(tables_of(model, FEW), tiles, cuda.device_array)
+            _compiled[tiles, TILE](problem, found, unit, *tables, states, memories)
         x, converged, residual, iterations = (array.copy_to_host() for array in found)
     return RowsResult(x, converged, residual, np.full(rows, floor), iterations)
-
-
-def tile_arrays(model: Model, tiles: int, empty: Any) -> tuple[Lanes, Any]:
-    """State and memory (tiles, rows, 32) of all tiles, neighbours in the last axis; `empty` makes an array."""
-    tables = tables_of(model, FEW)
-    lanes = (tiles, WARP)
-    state = {
-        name: empty((tiles, *array.shape, WARP) if array.ndim > 1 else lanes, array.dtype)
-        for name, array in tables.state._asdict().items()
-    }
-    return Lanes(**state), empty((tiles, len(tables.memory), WARP), np.float64)
 
 
 def _tiles(model: Model, rows: int) -> int:
@@ -136,8 +107,8 @@ def _tiles(model: Model, rows: int) -> int:
     context = cuda.current_context()
     # Numba's simulator has no multiprocessors, and endless memory.
     resident = RESIDENT * getattr(context.device, "MULTIPROCESSOR_COUNT", 1)
-    room = SHARE * context.get_memory_info().free / (8 * WARP * len(tables_of(model, FEW).memory))
-    return max(1, int(min(-(-rows // WARP), resident, room)))
+    room = SHARE * context.get_memory_info().free / (8 * TILE * len(tables_of(model, FEW).memory))
+    return max(1, int(min(-(-rows // TILE), resident, room)))
 
 
 def _on_device(model: Model) -> Resident:
