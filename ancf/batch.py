@@ -137,7 +137,7 @@ def solve_batch(
     begin = None if start is None else _starts(start, len(loads), model)
     chosen = _engine(model, engine, len(loads))
     deadline = started + scene.solver.max_seconds
-    q = np.tile(model.q0, (len(loads), 1))
+    q = np.empty((len(loads), model.n))
     status = np.full(len(loads), Status.CONVERGED, dtype=object)
     reason, load_factor = [""] * len(loads), np.ones(len(loads))
     iterations, residual, floor = np.zeros(len(loads), int), np.zeros(len(loads)), np.zeros(len(loads))

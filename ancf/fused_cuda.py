@@ -88,7 +88,7 @@ def solve_rows(
     with turns:
         unit, tables = _on_device(model)
         problem = _copied(problem_of(model, moments, forces, start, tolerance, floor, max_iterations))
-        found = Found(
+        found: Any = Found(
             cuda.device_array((rows, model.n)),
             cuda.device_array(rows, np.bool_),
             cuda.device_array(rows),
