@@ -1,10 +1,16 @@
 r"""The fused kernel on a CUDA GPU (extra `cuda`): one sample a thread, the functions of the CPU kernel.
 
 numba-cuda compiles the `njit` functions that a kernel calls for the device, from the same Python source; a
-lane array is then the thread's own column (lane_column.py) of its warp's tile (rows, 32). A tile of 8
-elements 3333 has 6591 rows, 1.7 MB, far more than a warp's share of the caches, so memory is what limits.
+lane array is then the thread's own column (lane_column.py) of its warp's tile (rows, 32). Everything is
+float64. Tables are copied to the device once a model.
 
-Everything is float64. Tables are copied to the device once a model.
+Notes
+-----
+For 8 elements 3333 and sm_90, ptxas gives a thread 255 registers and spills 144 bytes; its 6591 rows of a
+tile take 53 kB. Memory limits: a solve loads and stores 2.6 MB, of which a warp's share of an H100's L2 lets
+1.6 MB through (benchmarks/gpu_traffic.py), so that 3.35 TB/s bound it by 2.1 million solves per second, 1.3
+without any cache. Not measured yet: no GPU was at hand (benchmarks/bench_gpu.py). Arguments take 5152 bytes,
+which needs a driver and tools of CUDA 12.1 or later.
 """
 
 from __future__ import annotations
