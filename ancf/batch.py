@@ -1,8 +1,9 @@
 """`solve_batch`: one scene under many rows of loads, solved together; a bad row never spoils the others.
 
 Newton takes all rows at once, in one of two forms that agree to 1e-11: the NumPy kernels (batch_newton.py)
-and, where numba is installed and the scene is of its kind, one fused kernel (fused.py). A row that it leaves,
-without convergence or at an unstable equilibrium, is searched for alone, as `solve` does it.
+and, where numba is installed and the scene is of its kind, one fused kernel, on the CPU (fused.py) or, for
+large batches, on a GPU (fused_cuda.py). A row that it leaves, without convergence or at an unstable
+equilibrium, is searched for alone, as `solve` does it.
 """
 
 from __future__ import annotations
@@ -30,7 +31,10 @@ from ancf.stepping import find_equilibrium
 
 Floats = NDArray[np.float64]
 
-ENGINES = ("auto", "numpy", "fused")
+ENGINES = ("auto", "numpy", "fused", "cuda")
+# Rows from which a GPU is looked for: one core of a CPU solves as many in about 3 s, and the kernel of the
+# GPU takes longer than that to compile once.
+LARGE = 100_000
 
 _models: WeakKeyDictionary[Scene, dict[tuple[bool, ...], Model]] = WeakKeyDictionary()
 
@@ -39,7 +43,8 @@ _models: WeakKeyDictionary[Scene, dict[tuple[bool, ...], Model]] = WeakKeyDictio
 class BatchSolution:
     """Equilibria of the rows of a batch; a failed row holds its last equilibrium, at `load_factor`.
 
-    `engine` names the form that was used, "numpy", "fused", or "solve" where rows are solved one by one.
+    `engine` names the form that was used, "numpy", "fused", "cuda", or "solve" where rows are solved one by
+    one.
     """
 
     loads: BatchLoads
@@ -105,7 +110,8 @@ def solve_batch(
     tensions : (B,) [N] of the first tendon, or (B, k) of all k
     start : nodal coordinates (n,) or (B, n) to begin from, as `BatchSolution.q`; None finds its own starts:
         closed form under moments, else solved neighbours in the order of the rows where they are near
-    engine : "auto", or "numpy" | "fused" to insist on a form
+    engine : "auto", or "numpy" | "fused" | "cuda" to insist on a form; "auto" takes a GPU that is present
+        for 100 000 rows or more
 
     Returns
     -------
@@ -118,7 +124,8 @@ def solve_batch(
 
     Raises
     ------
-    InputError : no rows, wrong shapes, rows that are not finite, an engine that cannot take the scene.
+    InputError : no rows, wrong shapes, rows that are not finite, an engine that cannot take the scene or, for
+        "cuda", has no GPU.
     SceneError : the scene cannot be meshed.
     """
     started = time.perf_counter()
@@ -128,9 +135,9 @@ def solve_batch(
         loads = read_rows(scene, moments, forces, tensions)
     model = _model(scene, loads)
     begin = None if start is None else _starts(start, len(loads), model)
-    chosen = _engine(model, engine)
+    chosen = _engine(model, engine, len(loads))
     deadline = started + scene.solver.max_seconds
-    q = np.tile(model.q0, (len(loads), 1))
+    q = np.empty((len(loads), model.n))
     status = np.full(len(loads), Status.CONVERGED, dtype=object)
     reason, load_factor = [""] * len(loads), np.ones(len(loads))
     iterations, residual, floor = np.zeros(len(loads), int), np.zeros(len(loads)), np.zeros(len(loads))
@@ -139,7 +146,7 @@ def solve_batch(
         newton = _newton(chosen, deadline)
         if begin is not None:
             found = newton(model, loads, begin)
-        elif chosen == "fused" and (model.conservative or not dear_starts(model)):
+        elif chosen in ("fused", "cuda") and (model.conservative or not dear_starts(model)):
             found = newton(model, loads, None)
         else:
             found = solve_in_waves(model, loads, newton, deadline)
@@ -160,7 +167,7 @@ def solve_batch(
     )
 
 
-def _engine(model: Model, wanted: str) -> str:
+def _engine(model: Model, wanted: str, rows: int) -> str:
     """The form to use; raises `InputError` when the one that is insisted on cannot take the scene."""
     if wanted not in ENGINES:
         _refuse(
@@ -177,20 +184,25 @@ def _engine(model: Model, wanted: str) -> str:
         )
         form = "solve"
     else:
-        from ancf.fused import unsupported
+        from ancf.fused import no_gpu, unsupported
 
         refused = "" if wanted == "numpy" else unsupported(model)
         form = "numpy" if wanted == "numpy" or refused else "fused"
+        if form == "fused" and (wanted == "cuda" or (wanted == "auto" and rows >= LARGE)):
+            refused = no_gpu()
+            form = "fused" if refused else "cuda"
     if wanted not in ("auto", form):
-        _refuse(f"The engine {wanted!r} cannot take this scene.", "engine", f"engine = {wanted!r}", refused)
+        _refuse(f"The engine {wanted!r} cannot take this batch.", "engine", f"engine = {wanted!r}", refused)
     return form
 
 
 def _newton(engine: str, deadline: float) -> Callable[[Model, BatchLoads, Floats | None], RowsResult]:
     """Newton for rows from their starts; the fused kernel also finds starts of its own (None)."""
-    if engine == "fused":
-        from ancf.fused import solve_rows as fused_rows
-
+    if engine in ("fused", "cuda"):
+        if engine == "fused":
+            from ancf.fused import solve_rows as fused_rows
+        else:
+            from ancf.fused_cuda import solve_rows as fused_rows
         return lambda model, loads, start: fused_rows(model, loads.moments, loads.forces, start)
     from ancf.batch_newton import solve_rows
 

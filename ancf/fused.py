@@ -7,6 +7,7 @@ A row that the kernel cannot solve is only marked: the caller decides what to do
 from __future__ import annotations
 
 import importlib.util
+import os
 from threading import Lock
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
@@ -76,7 +77,7 @@ class Tables(NamedTuple):
 
 _tables: WeakKeyDictionary[Model, dict[int, Tables]] = WeakKeyDictionary()
 _reasons: WeakKeyDictionary[Model, str] = WeakKeyDictionary()
-_turns = Lock()  # the memory of a model serves one batch at a time
+turns = Lock()  # the memory of a model serves one batch at a time
 
 
 def unsupported(model: Model) -> str:
@@ -84,6 +85,16 @@ def unsupported(model: Model) -> str:
     if model not in _reasons:
         _reasons[model] = _reason(model)
     return _reasons[model]
+
+
+def no_gpu() -> str:
+    """Why there is no GPU to solve on, in one sentence; empty if there is one."""
+    simulated = os.environ.get("NUMBA_ENABLE_CUDASIM", "0") == "1"
+    if importlib.util.find_spec("numba_cuda") is None and not simulated:
+        return "numba-cuda is not installed (extra `cuda`)."
+    from ancf.fused_cuda import present
+
+    return "" if present() else "No CUDA GPU and driver were found."
 
 
 def _reason(model: Model) -> str:
@@ -144,27 +155,41 @@ def solve_rows(
 
     rows = len(moments)
     lanes = FEW if rows <= FEW else MANY
-    tables = _tables_of(model, lanes)
-    if start is None:
-        starts = np.empty((0, model.n))
-    else:
-        starts = np.array([model.admissible(q) for q in np.atleast_2d(start)]) / model.unit
-    problem = Problem(
-        np.ascontiguousarray(moments, dtype=float),
-        np.ascontiguousarray(forces, dtype=float),
-        starts,
-        model.scene.solver.tolerance if tolerance is None else float(tolerance),
-        tables.floor,
-        max_iterations,
-    )
+    tables = tables_of(model, lanes)
+    problem = problem_of(model, moments, forces, start, tolerance, tables.floor, max_iterations)
     found = Found(np.empty((rows, model.n)), np.zeros(rows, bool), np.empty(rows), np.zeros(rows, np.int64))
-    with _turns:
+    with turns:
         solve(problem, found, *tables[:8], (0.0,) * lanes)
     floor = np.full(rows, tables.floor)
     return RowsResult(found.x * model.unit, found.converged, found.residual, floor, found.iterations)
 
 
-def _tables_of(model: Model, lanes: int) -> Tables:
+def problem_of(
+    model: Model,
+    moments: Floats,
+    forces: Floats,
+    start: Floats | None,
+    tolerance: float | None,
+    floor: float,
+    max_iterations: int,
+) -> Problem:
+    """What `solve_rows` is asked for, as arrays for the kernel."""
+    if start is None:
+        starts = np.empty((0, model.n))
+    else:
+        starts = np.array([model.admissible(q) for q in np.atleast_2d(start)]) / model.unit
+    return Problem(
+        np.ascontiguousarray(moments, dtype=float),
+        np.ascontiguousarray(forces, dtype=float),
+        starts,
+        model.scene.solver.tolerance if tolerance is None else float(tolerance),
+        floor,
+        max_iterations,
+    )
+
+
+def tables_of(model: Model, lanes: int) -> Tables:
+    """The tables of a model, and memory for so many lanes; built once."""
     of_model = _tables.setdefault(model, {})
     if lanes not in of_model:
         of_model[lanes] = _build(model, lanes)

@@ -96,7 +96,7 @@ def eliminate_element(
             B = element_block(K_N, N, i, j, start, at)
             if node <= i < node + nv and node <= j < node + nv:
                 B = block_plus(B, block(carry, 9 * ((i - node) * nv + j - node)))
-            B = _eliminated(A, W, B, i, j, active, min(row, column, pivots), m, symmetric)
+            B = _eliminated(A, W, B, i, j, active, min(min(row, column), pivots), m, symmetric)
             put_block(A, 9 * (i * m + j), B)
         _eliminate_row(A, g, W, y, signs, dofs, active, row, pivots, count, m, symmetric)
 
@@ -109,7 +109,7 @@ def eliminate(A, g, W, y, signs, dofs, active, pivots, count, m):
         for column in range(count):
             j = active[column]
             at = 9 * (i * m + j)
-            steps = min(row, column, pivots)
+            steps = min(min(row, column), pivots)
             put_block(A, at, _eliminated(A, W, block(A, at), i, j, active, steps, m, False))
         _eliminate_row(A, g, W, y, signs, dofs, active, row, pivots, count, m, False)
 

@@ -77,9 +77,8 @@ class Scratch(NamedTuple):
 
 
 @compiled
-def scratch(memory, at, width):
-    """Lane arrays at their rows of the memory."""
-    a = as_lanes(memory, width)
+def scratch(a, at):
+    """Lane arrays at their rows of one."""
     return Scratch(
         rows_from(a, at.x),
         rows_from(a, at.dx),
@@ -243,7 +242,7 @@ def _solve(problem, found, mesh, elastic, projectors, loads, start, at, state, m
     at : first row of each field of `Scratch` in `memory` (rows, lanes)
     width : a tuple of as many floats as there are lanes
     """
-    w = scratch(memory, at, width)
+    w = scratch(as_lanes(memory, width), at)
     lanes, samples, size = memory.shape[1], len(found.converged), len(start.x0)
     nv = loads.turning_shape.shape[1]
     sample, status = state.sample, state.status
@@ -287,18 +286,18 @@ def _solve(problem, found, mesh, elastic, projectors, loads, start, at, state, m
                 busy -= 1
 
 
-def _digest():
+def digest():
     """Digest of the sources that are compiled together.
 
     In the function's name it gives each version its own file in numba's cache, which watches one source file
     only, and which does not survive that a class it has stored moves to another module.
     """
     folder, total = Path(__file__).parent, hashlib.sha256()
-    others = [folder / name for name in ("lanes.py", "newton.py", "failure.py")]
+    others = [folder / name for name in ("lanes.py", "lane_column.py", "newton.py", "failure.py")]
     for path in sorted([*others, *folder.glob("fused*.py")]):
         total.update(path.read_bytes())
     return total.hexdigest()[:16]
 
 
-_solve.__qualname__ = f"solve_{_digest()}"
+_solve.__qualname__ = f"solve_{digest()}"
 solve = njit(nogil=True, cache=True, error_model="numpy")(_solve)

@@ -159,7 +159,7 @@ def elastic_tables(rod: RodModel) -> ElasticTables:
     pair = np.zeros((g, g), dtype=np.int64)
     pair[i, j] = pair[j, i] = np.arange(len(i))
     v0 = elastic.v0[first]
-    products0 = np.sum(v0[:, :, i] * v0[:, :, j], axis=-1)
+    products0 = np.ascontiguousarray(np.sum(v0[:, :, i] * v0[:, :, j], axis=-1))
 
     anchor = mesh_anchor(rod)
     used = np.any(N != 0.0, axis=(0, 1))

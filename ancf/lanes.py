@@ -165,15 +165,21 @@ def _lower_square_root(context, builder, sig, args):
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), args)
 
 
-@intrinsic
-def rows_from(typing_context, array, start):
+def rows_from(array, start):
     """The lane array that begins at a row of another."""
+    return array[start:]
 
-    def generate(context, builder, sig, args):
-        width = ir.Constant(args[1].type, sig.args[0].width)
-        return builder.gep(args[0], [builder.mul(args[1], width)])
 
-    return array(array, start), generate
+@infer_global(rows_from)
+class _Rows(AbstractTemplate):
+    def generic(self, args, kws):
+        return signature(args[0], args[0], types.intp) if isinstance(args[0], LaneArrayType) else None
+
+
+@lower_builtin(rows_from, LaneArrayType, types.Integer)
+def _lower_rows(context, builder, sig, args):
+    width = ir.Constant(args[1].type, sig.args[0].width)
+    return builder.gep(args[0], [builder.mul(args[1], width)])
 
 
 @infer_global(operator.getitem)

@@ -39,7 +39,7 @@ ALLOWED = {
 # libraries")
 BORDER_MODULES = {"cli.py", "cli_solve.py", "io.py", "view.py", "units.py", "scene_file.py", "surface.py"}
 # The compiled batch kernel, loaded when `solve_batch` takes it.
-COMPILED_MODULES = {"fused_blocks.py", "fused_kernel.py", "lanes.py"}
+COMPILED_MODULES = {"fused_blocks.py", "fused_cuda.py", "fused_kernel.py", "lane_column.py", "lanes.py"}
 MOST_LINES = 400
 
 
