@@ -186,7 +186,7 @@ def _add_legend(view: View, height: int) -> None:
     """A horizontal bar below the scene, its title above it."""
     bar = view.plotter.add_scalar_bar(
         title=view.field.title + "\n", mapper=view.skin.mapper, vertical=False,
-        width=0.42, height=84 / height, position_x=0.29, position_y=2 / height, n_labels=3, fmt="%.3g", color=INK, title_font_size=17,
-        label_font_size=15, font_family="arial",
+        width=0.42, height=84 / height, position_x=0.29, position_y=2 / height,
+        n_labels=3, fmt="%.3g", color=INK, title_font_size=17, label_font_size=15, font_family="arial",
     )  # fmt: skip
     bar.SetBarRatio(0.22)  # of its box; the rest is room for the numbers and the title
