@@ -5,8 +5,9 @@ A joint adds to the potential lambda . c + sum_i mu_i g_i with the conditions
     c   = (r_a - r_a0) - (r_b - r_b0) - l u = 0,                    the gap,
     g_i = sum_t w_it (R_a x_it) . (B y_it) = 0,                     what the rotations may not do,
 
-R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b, or on the ground
-B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor l. With the
+R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b Exp(l phi), or on
+the ground B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor l.
+Between two rods u and phi are not zero where they are apart in the reference: at l = 1 they have met. With the
 axes e of SCS and D = B^T R_a
 
     rigid   g = axial part of D, so 1/2 (D_32 - D_23) and so on: sin(angle) times its axis;
@@ -154,8 +155,9 @@ class JointModel:
         return [part.reshape(-1, 3) for part in np.split(x, cuts)[: len(cuts)]]
 
     def _other(self, rotations: list[SectionRotation], load_factor: float) -> Floats:
-        """B (3, 3): rotation of the section b, or of the ground."""
-        return rotations[1].R if len(rotations) > 1 else exp(load_factor * self.joint.rotation)
+        """B (3, 3): rotation of the section b, or of the ground, and what the joint turns a against it."""
+        turn = exp(load_factor * self.joint.rotation)
+        return rotations[1].R @ turn if len(rotations) > 1 else turn
 
     def terms(self, x: Floats, load_factor: float) -> JointTerms:
         """Residual, its rate with the load factor, and its tangent, all of this joint alone."""
@@ -194,9 +196,12 @@ class JointModel:
         for b, w_b in others:
             K[a, b] = -w_a.T @ M.T @ w_b
             K[b, a] = K[a, b].T
-        if not others:  # the ground turns with phi per load factor
-            rate[a] = -w_a.T @ M.T @ self.joint.rotation
-            rate[turn] = -m_i @ self.joint.rotation
+        # B turns with phi per load factor, in the axes of b.
+        turning = rotations[1].R @ self.joint.rotation if others else self.joint.rotation
+        rate[a] = -w_a.T @ M.T @ turning
+        rate[turn] = -m_i @ turning
+        for b, w_b in others:
+            rate[b] = w_b.T @ M.T @ turning
         return JointTerms(g, rate, K)
 
     def closed(self, x: Floats, load_factor: float) -> bool:

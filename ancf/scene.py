@@ -247,7 +247,9 @@ class Joint:
 
     ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
     unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
-    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor.
+    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Between
+    two rods that are apart in the reference they bring the sections together, as rods are assembled that do
+    not fit: a is moved by them against b.
     """
 
     kind: str
@@ -256,6 +258,11 @@ class Joint:
     axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def closing(self) -> bool:
+        """Whether it brings together two sections that are apart in the reference."""
+        return self.b is not None and bool(np.any(self.displacement) or np.any(self.rotation))
 
     @property
     def across(self) -> NDArray[np.float64]:
