@@ -6,9 +6,9 @@ A joint adds to the potential lambda . c + sum_i mu_i g_i with the conditions
     g_i = sum_t w_it (R_a x_it) . (B y_it) = 0,                     what the rotations may not do,
 
 R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b Exp(l phi), or on
-the ground B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor l.
-Between two rods u and phi are not zero where they are apart in the reference: at l = 1 they have met. With the
-axes e of SCS and D = B^T R_a
+the ground B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor
+l. Between two rods u and phi are not zero where they are apart in the reference: at l = 1 they have met. With
+the axes e of SCS and D = B^T R_a
 
     rigid   g = axial part of D, so 1/2 (D_32 - D_23) and so on: sin(angle) times its axis;
     hinge   g = (t_1 . D n, t_2 . D n), n the axis and t_1, t_2 across it; ball: none.

@@ -78,9 +78,7 @@ def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
     if b is not None:
         apart = table.word("reference", REFERENCES, REFERENCES[0]) == "apart"
         if apart and kind == "hinge":
-            _refuse_key(
-                table, "reference", kind, "the axis of a hinge is one of both sections at the reference"
-            )
+            _refuse_key(table, "reference", kind, "its axis lies in both sections at the reference")
         _check_together(table, a, b, rods, apart)
         for key in ("displacement", "rotation"):
             if key in table.data:
@@ -88,9 +86,7 @@ def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
         if apart:
             return Joint(kind, a, b, axis, *_closing(kind, a, b, rods))
     elif "reference" in table.data:
-        _refuse_key(
-            table, "reference", "joint to the ground", "displacement and rotation move a section there"
-        )
+        _refuse_key(table, "reference", "joint to the ground", "displacement and rotation move it there")
     elif kind == "ball" and "rotation" in table.data:
         _refuse_key(table, "rotation", kind, "a ball leaves all rotations free")
     elif kind == "hinge":

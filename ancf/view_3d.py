@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.view_marks import Mark, box, marks
-from ancf.view_skin import FIELDS, Field, ghosts, skins, telling_field
+from ancf.view_marks import Mark, marks
+from ancf.view_skin import FIELD, FIELDS, Field, Scale, box, ghosts, skins, telling_field
 
 if TYPE_CHECKING:
     from ancf.solution import Solution
 
 Floats = NDArray[np.float64]
 
-WIDTH, LOWEST, HIGHEST = 680, 360, 620  # pixels
+WIDTH, NARROWEST, LOWEST, HIGHEST = 680, 400, 340, 620  # pixels
 LEGEND = 88  # pixels below the scene
 INK = "#1b2631"
 GHOST, GHOST_OPACITY = "#9aa5ad", 0.22
 CLEAR = 0.55  # opacity of rods with something inside
 AMBIENT = 0.3  # of the light: shaded sides keep their colour
-MARGIN = 1.06
+MARGIN = 1.08
 VIEW_ANGLE = 30.0  # degrees, of the page; vtk.js knows no other
 PAGE_ASPECT = 1.3  # width to height of the window, at least
 PAGE_MARGIN = 1.25  # room for title and legend
@@ -39,12 +39,11 @@ TILT = (0.30, 0.42)  # how far the view leaves the normal of a plane scene: upwa
 
 @dataclass(frozen=True)
 class View:
-    """A pyvista Plotter, off screen, with rods, ghost and marks; the first skin, the field on it."""
+    """A pyvista Plotter, off screen, with rods, ghost and marks; the first skin, what its colours mean."""
 
     plotter: Any
     skin: Any
-    field: Field
-    limits: tuple[float, float]  # of the colours
+    scale: Scale
     solution: Solution
 
 
@@ -54,6 +53,7 @@ def picture(
     field: str | None = None,
     direction: ArrayLike | None = None,
     up: ArrayLike | None = None,
+    ghost: bool = True,
 ) -> None:
     """Write a PNG of a solution; the file appears whole or not at all.
 
@@ -62,14 +62,15 @@ def picture(
     field : of `FIELDS`; the more telling one if None
     direction : (3,) from the scene to the eye; for a plane scene oblique to its plane if None
     up : (3,) shown upwards; against gravity, else z or y, if None
+    ghost : whether the reference shape is shown
     """
     from PIL import Image
 
     target = Path(path)
-    view = view_of(solution, field)
+    view = view_of(solution, field, ghost)
     width, height = frame(view, direction, up)
     view.plotter.window_size = [width, height]
-    _add_legend(view, height)
+    _add_legend(view, width, height)
     pixels = view.plotter.screenshot(return_img=True, scale=2)  # drawn at twice the size, for smooth edges
     view.plotter.close()
     image = Image.fromarray(pixels).resize((width, height), Image.Resampling.LANCZOS)
@@ -81,7 +82,7 @@ def picture(
         os.replace(written, target)
 
 
-def view_of(solution: Solution, field: str | None = None) -> View:
+def view_of(solution: Solution, field: str | None = None, ghost: bool = True) -> View:
     """Everything that is drawn of a solution, but camera and legend."""
     import pyvista
 
@@ -90,31 +91,30 @@ def view_of(solution: Solution, field: str | None = None) -> View:
         plotter: Any = pyvista.Plotter(off_screen=True, window_size=[WIDTH, LOWEST], lighting="light kit")
     plotter.set_background("white")
     found = marks(solution, float(np.linalg.norm(np.subtract(*box(solution)))))
-    skin, limits = _add_rods(plotter, solution, chosen, found)
+    skin, scale = _add_rods(plotter, solution, chosen, found)
+    for shape in ghosts(solution) if ghost else []:
+        plotter.add_mesh(shape, color=GHOST, opacity=GHOST_OPACITY, smooth_shading=True)
     for mark in found:
         plotter.add_mesh(
             mark.mesh, color=mark.colour, opacity=mark.opacity, smooth_shading=True, split_sharp_edges=True,
             ambient=AMBIENT, specular=0.1,
         )  # fmt: skip
-    return View(plotter, skin, chosen, limits, solution)
+    return View(plotter, skin, scale, solution)
 
 
-def _add_rods(
-    plotter: Any, solution: Solution, field: Field, found: Sequence[Mark]
-) -> tuple[Any, tuple[float, float]]:
-    """Add all skins and ghosts; the actor of the first skin, and the range of the colours."""
-    drawn, limits = skins(solution, field)
+def _add_rods(plotter: Any, solution: Solution, field: Field, found: Sequence[Mark]) -> tuple[Any, Scale]:
+    """Add all skins; the actor of the first skin, and what the colours mean."""
+    drawn, scale = skins(solution, field)
     clear = any(mark.inside for mark in found)
     actors = [
         plotter.add_mesh(
-            skin, scalars=field.title, cmap=field.colours, clim=limits, smooth_shading=True, specular=0.2,
-            specular_power=25, ambient=AMBIENT, opacity=CLEAR if clear else 1.0, show_scalar_bar=False,
+            skin, scalars=FIELD, cmap=scale.colours, clim=(scale.low, scale.high), smooth_shading=True,
+            specular=0.2, specular_power=25, ambient=AMBIENT, opacity=CLEAR if clear else 1.0,
+            show_scalar_bar=False,
         )
         for skin in drawn
     ]  # fmt: skip
-    for skin in ghosts(solution):
-        plotter.add_mesh(skin, color=GHOST, opacity=GHOST_OPACITY, smooth_shading=True)
-    return actors[0], limits
+    return actors[0], scale
 
 
 def frame(view: View, direction: ArrayLike | None = None, up: ArrayLike | None = None) -> tuple[int, int]:
@@ -127,7 +127,7 @@ def frame(view: View, direction: ArrayLike | None = None, up: ArrayLike | None =
     _point_camera(view, axes, middle, deep + drawn)
     view.plotter.camera.parallel_projection = True
     view.plotter.camera.parallel_scale = 0.5 * drawn
-    return WIDTH, height
+    return int(np.clip(MARGIN * wide * height / drawn, NARROWEST, WIDTH)), height
 
 
 def aim(view: View, direction: ArrayLike | None = None, up: ArrayLike | None = None) -> None:
@@ -182,11 +182,11 @@ def _outlook(solution: Solution, direction: ArrayLike | None, up: ArrayLike | No
     return eye, upwards / np.linalg.norm(upwards)
 
 
-def _add_legend(view: View, height: int) -> None:
+def _add_legend(view: View, width: int, height: int) -> None:
     """A horizontal bar below the scene, its title above it."""
     bar = view.plotter.add_scalar_bar(
-        title=view.field.title + "\n", mapper=view.skin.mapper, vertical=False,
-        width=0.42, height=84 / height, position_x=0.29, position_y=2 / height,
+        title=view.scale.title + "\n", mapper=view.skin.mapper, vertical=False,
+        width=286 / width, height=84 / height, position_x=0.5 - 143 / width, position_y=2 / height,
         n_labels=3, fmt="%.3g", color=INK, title_font_size=17, label_font_size=15, font_family="arial",
     )  # fmt: skip
     bar.SetBarRatio(0.22)  # of its box; the rest is room for the numbers and the title

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.view_skin import OUTLINE_POINTS, closed_skin
+from ancf.view_skin import OUTLINE_POINTS, box, closed_skin, widest
 
 if TYPE_CHECKING:
     from ancf.scene import Pressure, Rod, Tendon
@@ -53,7 +53,7 @@ def _holds(solution: Solution, size: float) -> Iterator[Mark]:
     held = [(rod, s.at, s.kind != "pin") for rod in solution.scene.rods for s in rod.supports]
     held += [(solution.scene.rod(j.a.rod), j.a.at, j.kind == "rigid") for j in _to_ground(solution)]
     for rod, at, fixed in held:
-        pose, radius = solution.pose(rod.name, at), _radius(rod, at)
+        pose, radius = solution.pose(rod.name, at), widest(rod, at)
         if fixed:
             radius = max(1.7 * radius, 0.018 * size)
             outwards = pose.rotation @ _tangent(solution, rod, at) * (1.0 if at > 0.5 else -1.0)
@@ -66,7 +66,7 @@ def _joints(solution: Solution, size: float) -> Iterator[Mark]:
     """A ball at joints that leave rotations free."""
     for joint in solution.scene.joints:
         if joint.b is not None and joint.kind != "rigid":
-            radius = _radius(solution.scene.rod(joint.a.rod), joint.a.at)
+            radius = widest(solution.scene.rod(joint.a.rod), joint.a.at)
             centre = solution.pose(joint.a.rod, joint.a.at).position
             yield Mark(_ball(centre, max(1.4 * radius, 0.012 * size)), JOINT)
 
@@ -74,7 +74,7 @@ def _joints(solution: Solution, size: float) -> Iterator[Mark]:
 def _tendons(solution: Solution, size: float) -> Iterator[Mark]:
     """Each tendon along its path, inside the rod."""
     for tendon in solution.scene.tendons:
-        radius = max(0.06 * _radius(solution.scene.rod(tendon.rod), 0.0), 0.0015 * size)
+        radius = max(0.10 * widest(solution.scene.rod(tendon.rod), 0.0), 0.0015 * size)
         yield Mark(_tube(_tendon_line(solution, tendon), radius), TENDON, inside=True)
 
 
@@ -114,7 +114,7 @@ def _point_loads(solution: Solution, size: float) -> Iterator[Mark]:
     for load, share in zip(scene.moments, _shares([m.value for m in scene.moments]), strict=True):
         pose = solution.pose(load.rod, load.at)
         axis = _unit(pose.rotation @ load.value if load.direction == "follower" else load.value)
-        radius = max(0.35 * share * ARROW * size, 1.6 * _radius(scene.rod(load.rod), load.at))
+        radius = max(0.35 * share * ARROW * size, 1.6 * widest(scene.rod(load.rod), load.at))
         yield Mark(_turning_arrow(pose.position, axis, radius), LOAD)
 
 
@@ -131,7 +131,7 @@ def _distributed(solution: Solution, size: float) -> Iterator[Mark]:
         for at in places:
             pose = solution.pose(load.rod, float(at))
             axis = _unit(pose.rotation @ load.value if load.direction == "follower" else load.value)
-            radius = max(0.2 * share * ARROW * size, 1.6 * _radius(scene.rod(load.rod), float(at)))
+            radius = max(0.2 * share * ARROW * size, 1.6 * widest(scene.rod(load.rod), float(at)))
             yield Mark(_turning_arrow(pose.position, axis, radius), LOAD)
 
 
@@ -142,7 +142,7 @@ def _fields(solution: Solution, size: float) -> Iterator[Mark]:
     if scene.gravity is not None and np.any(scene.gravity.acceleration):
         down = _unit(scene.gravity.acceleration)
         away = middle + 0.5 * np.abs(high - low) @ np.abs(_across(down)) * _across(down)
-        yield Mark(_arrow(away + 0.10 * size * _across(down), ARROW * size * down, 1.3), WEIGHT)
+        yield Mark(_arrow(away + 0.10 * size * _across(down), ARROW * size * down), WEIGHT)
     directions = {tuple(np.round(_unit(m.field), 6)): m for m in scene.magnets if np.any(m.field)}
     for direction in directions:
         along = np.array(direction)
@@ -153,26 +153,8 @@ def _fields(solution: Solution, size: float) -> Iterator[Mark]:
             yield Mark(_arrow(start, 0.5 * size * along, 0.35, 0.14), MAGNETIC, opacity=0.35)
 
 
-def box(solution: Solution) -> tuple[Floats, Floats]:
-    """Lowest and highest corner (3,) [m] of axes and skins, undeformed and deformed, roughly."""
-    at = np.linspace(0.0, 1.0, 41)
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for rod in solution.scene.rods:
-        radius = max(_radius(rod, 0.0), _radius(rod, 1.0))
-        for place in (solution.displaced, solution.reference):
-            axis = place(rod.name, at, np.zeros(1), np.zeros(1))
-            low = np.minimum(low, axis.min(axis=0) - radius)
-            high = np.maximum(high, axis.max(axis=0) + radius)
-    return low, high
-
-
 def _to_ground(solution: Solution) -> list[Any]:
     return [joint for joint in solution.scene.joints if joint.b is None]
-
-
-def _radius(rod: Rod, at: float) -> float:
-    """Largest distance [m] of the outline from the axis."""
-    return float(np.linalg.norm(rod.section_at(at).outline(24), axis=-1).max())
 
 
 def _tangent(solution: Solution, rod: Rod, at: float) -> Floats:

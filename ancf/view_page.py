@@ -138,9 +138,9 @@ def _overlay(view: View, title: str) -> str:
     import matplotlib
     from matplotlib.colors import to_hex
 
-    colours = matplotlib.colormaps[view.field.colours]
+    colours = matplotlib.colormaps[view.scale.colours]
     stops = ", ".join(to_hex(colours(i / 16)) for i in range(17))
-    low, high = view.limits
+    low, high = view.scale.low, view.scale.high
     solution = view.solution
     state = ""
     if solution.status is not Status.CONVERGED:
@@ -149,7 +149,7 @@ def _overlay(view: View, title: str) -> str:
     return f"""    <div class="content"></div>
     <div id="heading"><h1>{title}</h1>{state}
       <p>Drag to turn, wheel to zoom, shift and drag to move.</p></div>
-    <div id="legend"><span>{html.escape(view.field.title)}</span>
+    <div id="legend"><span>{html.escape(view.scale.title)}</span>
       <div style="background: linear-gradient(to right, {stops})"></div>
       <p><span>{low:.3g}</span><span>{0.5 * (low + high):.3g}</span><span>{high:.3g}</span></p></div>
 """

@@ -12,6 +12,8 @@ from reference import rotation as rot
 
 Array = NDArray[np.float64]
 
+STRAIGHT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -22,11 +24,11 @@ class Piece:
     stretch: float = 1.0
 
 
-def chain_tip(pieces: Sequence[Piece], base: ArrayLike = np.eye(3)) -> tuple[Array, Array]:
+def chain_tip(pieces: Sequence[Piece], base: ArrayLike = STRAIGHT) -> tuple[Array, Array]:
     """Tip (3,) [m] from the base, and its frame (3, 3), of pieces one after the other.
 
-    r_{i+1} = r_i + R_i stretch int_0^l Exp(s k) e_x ds,  R_{i+1} = R_i Exp(l k)  (Webster, Jones, Int. J. Robotics
-    Res. 29 (2010) 1661, there in arc parameters). `base` has the axes of the first section as columns.
+    r_{i+1} = r_i + R_i stretch int_0^l Exp(s k) e_x ds,  R_{i+1} = R_i Exp(l k)  (Webster, Jones, Int. J.
+    Robotics Res. 29 (2010) 1661, there in arc parameters). `base`: axes of the first section as columns.
     """
     r, R = np.zeros(3), np.asarray(base, dtype=float)
     for piece in pieces:
@@ -39,6 +41,6 @@ def chain_tip(pieces: Sequence[Piece], base: ArrayLike = np.eye(3)) -> tuple[Arr
 def concentric_curvature(EI: Sequence[float], curvature: Sequence[float]) -> float:
     """Curvature [1/m] of plane tubes inside one another that may not turn: sum(EI k)/sum(EI).
 
-    Their moments EI_i (kappa - k_i) cancel (Webster, Romano, Cowan, IEEE Trans. Robotics 25 (2009) 67, eq. 8).
+    Their moments EI_i (kappa - k_i) cancel (Webster, Romano, Cowan, IEEE Trans. Robotics 25 (2009) 67).
     """
     return float(np.dot(EI, curvature) / np.sum(EI))

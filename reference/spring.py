@@ -1,12 +1,12 @@
 """Helical spring of a round wire under an axial wrench: exact for a rod that neither stretches nor shears.
 
-A helix of radius R and pitch angle a has the curvature cos^2 a/R and the twist sin a cos a/R. A force F along its
-axis and a couple K about it keep it a helix, of R' and a', with (Love, Treatise, 4th ed. 1927, art. 271)
+A helix of radius R and pitch angle a has the curvature cos^2 a/R and the twist sin a cos a/R. A force F along
+its axis and a couple K about it keep it a helix, of R' and a', with (Love, Treatise, 4th ed. 1927, art. 271)
 
     F = GJ (tau' - tau) cos a'/R' - EI (kappa' - kappa) sin a'/R',
     K = GJ (tau' - tau) sin a'    + EI (kappa' - kappa) cos a'.
 
-Ends that do not turn keep the angle L cos a/R round the axis: R' = R cos a'/cos a; and sin a' = sin a + delta/L.
+Ends that do not turn keep the angle L cos a/R round the axis: R' = R cos a'/cos a, sin a' = sin a + delta/L.
 """
 
 from __future__ import annotations

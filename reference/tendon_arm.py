@@ -67,7 +67,7 @@ def tendon_arm_tip(
     gravity: ArrayLike = (0.0, 0.0, 0.0),
     tolerance: float = 1e-9,
 ) -> tuple[Array, float]:
-    """Tip (3,) [m], relative to the base, of an arm clamped with the axes `base` (columns x, y, z); its error.
+    """Tip (3,) [m], relative to the base, of an arm clamped with the axes `base` (columns); its error.
 
     Linear elastic, sections rigid in their plane. The error [m] is the difference to a run at ten times the
     tolerance. Raises RuntimeError where the shooting fails.

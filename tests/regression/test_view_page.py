@@ -212,9 +212,10 @@ def test_field_on_the_skin(solution):
     for turns, expected in (((0, 0, 0.1), 1e6 * 0.1), ((0.1, 0, 0), 3**0.5 * 1e6 * 0.1 / 2)):
         view = view_of(bent(*turns), "stress")
         view.plotter.close()
-        assert view.limits[0] == 0.0
-        # Of second order in the strain of 0.25 %; kPa.
-        assert view.limits[1] == pytest.approx(1e-3 * expected * 0.01 / 0.4, rel=0.01)
+        assert view.scale.low == 0.0
+        assert view.scale.title == "von Mises stress [kPa]"
+        # Of second order in the strain of 0.25 %.
+        assert view.scale.high == pytest.approx(1e-3 * expected * 0.01 / 0.4, rel=0.01)
 
 
 def test_the_field_is_the_one_that_tells_something(solution):

@@ -14,10 +14,13 @@ E, NU = 1e9, 0.3
 STIFF, SOFT = 2e-3, 1.5e-3  # radii [m]
 
 
+UPRIGHT = np.eye(3)
+
+
 def rod(name, radius, curvature, **more):
     return {
-        "name": name, "length": 0.3, "elements": 6, "section": {"shape": "circle", "radius": radius},
-        "material": {"young_modulus": E, "poisson_ratio": NU}, "curvature": curvature, **more,
+        "name": name, "length": 0.3, "section": {"shape": "circle", "radius": radius},
+        "material": {"young_modulus": E, "poisson_ratio": NU}, "curvature": curvature, "elements": 6, **more,
     }  # fmt: skip
 
 
@@ -26,7 +29,7 @@ def joint(at, kind="rigid", **more):
     return {"kind": kind, "reference": "apart", **ends, **more}
 
 
-def tubes(curvatures, turn=np.eye(3), stations=(1 / 3, 2 / 3, 1.0)):
+def tubes(curvatures, turn=UPRIGHT, stations=(1 / 3, 2 / 3, 1.0)):
     base = {"position": [0.1, -0.2, 0.3], "x_axis": turn[:, 0].tolist(), "y_axis": turn[:, 1].tolist()}
     held = {"base": base, "supports": [{"at": 0.0}]}
     pairs = zip(("inner", "outer"), (SOFT, STIFF), curvatures, strict=True)
@@ -38,10 +41,10 @@ def tubes(curvatures, turn=np.eye(3), stations=(1 / 3, 2 / 3, 1.0)):
 TURN = exp(np.array([0.3, -0.8, 0.5]))
 
 
-@pytest.mark.parametrize("turn", [np.eye(3), TURN], ids=["as SCS", "turned"])
+@pytest.mark.parametrize("turn", [UPRIGHT, TURN], ids=["as SCS", "turned"])
 @pytest.mark.parametrize("curvatures", [(6.0, 0.0), (8.0, -4.0)])
 def test_plane_tubes_meet_at_the_weighted_curvature(curvatures, turn):
-    """sum(EI k)/sum(EI): Webster, Romano, Cowan 2009, eq. 8; (kappa R)^2 = 3e-4 is of second order."""
+    """sum(EI k)/sum(EI): Webster, Romano, Cowan 2009; (kappa R)^2 = 3e-4 is of second order."""
     solution = ancf.solve(tubes([(0, 0, k) for k in curvatures], turn))
     assert solution.status == "converged", solution.message
     curvature = concentric_curvature([SOFT**4, STIFF**4], curvatures)
@@ -129,7 +132,7 @@ def test_what_does_not_fit_is_refused():
 @pytest.mark.parametrize("turns", [0.0, 0.4, 0.5, 1.0, 2.0, 2.7, -3.2])
 def test_turns_are_counted_along_the_rods(turns):
     """Two rods from one base: the inner curved by `turns` about z more than the straight outer one."""
-    curved = rod("inner", SOFT, [0, 0, 2 * math.pi * turns / 0.3], supports=[{}])
+    curved = rod("inner", SOFT, [0, 0, 2 * math.pi * turns / 0.3], supports=[{}], elements=13)
     scene = ancf.scene_from_dict(
         {"rod": [curved, rod("outer", STIFF, [0, 0, 0], supports=[{}])], "joint": [joint(1.0)]}
     )
