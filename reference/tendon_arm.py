@@ -10,7 +10,7 @@ and in section axes the rod itself carries what the tendons, pulled by T_i along
     K_n (v - e_x) = R^T N - sum T_i t_i,   K_m u = R^T M - sum p_i x T_i t_i,   t_i ~ v + u x p_i + p_i'
 
 (Rucker, Webster, IEEE Trans. Robotics 27 (2011) 1033, eq. 1-4, 13-24). The strains are a fixed point that
-contracts by T/(E A). The three components of M(0) are sought with `scipy.optimize.root`.
+contracts by T/(E A). The three components of M(0) are found by Newton's method.
 """
 
 from __future__ import annotations
@@ -21,11 +21,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
-from scipy.optimize import root
+
+from reference.rotation import cross
 
 Array = NDArray[np.float64]
 
 ROUNDS = 40  # of the fixed point, at most
+NEWTON_ROUNDS = 12
+SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the weight, one after the other
+ON_THE_WAY = 1e-5  # tolerance: only a start for the next
 E_X = np.array([1.0, 0.0, 0.0])
 
 
@@ -73,7 +77,10 @@ def tendon_arm_tip(
     tolerance. Raises RuntimeError where the shooting fails.
     """
     arm = _Arm(sections, tendons, np.asarray(base, float), np.asarray(gravity, float))
-    tip, coarse = (arm.tip(t) for t in (tolerance, 10.0 * tolerance))
+    for share in SHARES:
+        arm.gravity = share * np.asarray(gravity, float)
+        arm.tip(ON_THE_WAY)
+    coarse, tip = (arm.tip(t) for t in (10.0 * tolerance, tolerance))
     return tip, float(np.linalg.norm(tip - coarse)) + tolerance * arm.length
 
 
@@ -88,16 +95,21 @@ class _Arm:
         self.tensions = [t.tension for t in tendons]
         corners = np.concatenate([self.ends, *(path[:, 0] for path in self.paths)])
         self.breaks = np.unique(np.round(corners, 12))
+        self.moment = np.zeros(3)  # at the base
 
     def tip(self, tolerance: float) -> Array:
-        found = root(
-            lambda M: self._shoot(M, tolerance)[12:], np.zeros(3), tol=1e2 * tolerance, options={"eps": 1e-5}
-        )
-        end = self._shoot(found.x, tolerance)
+        """Tip (3,) [m]: Newton on the moment at the base, with differences, from the last one found."""
         unit = float(self.sections[0].stiffness[1][1]) / self.length
-        if np.linalg.norm(end[12:]) > 1e-6 * unit:
-            raise RuntimeError(f"shooting left a moment of {np.linalg.norm(end[12:]) / unit:.2g} E I/L")
-        return end[:3]
+        left = np.inf
+        for _ in range(NEWTON_ROUNDS):
+            end = self._shoot(self.moment, tolerance)
+            left = float(np.linalg.norm(end[12:])) / unit
+            if left < 1e2 * tolerance:
+                return end[:3]
+            step = 1e-4 * unit
+            moved = [self._shoot(self.moment + step * e, tolerance)[12:] for e in np.eye(3)]
+            self.moment = self.moment - np.linalg.solve((np.array(moved) - end[12:]).T / step, end[12:])
+        raise RuntimeError(f"shooting left a moment of {left:.2g} E I/L at the tip")
 
     def _shoot(self, moment: Array, tolerance: float) -> Array:
         """State at the tip: r (3,), R (9,), M (3,), from a total moment at the base."""
@@ -106,7 +118,7 @@ class _Arm:
             piece = int(np.searchsorted(self.ends, 0.5 * (start + end))) - 1
             rate = self._rate(piece, 0.5 * (start + end))
             done = solve_ivp(rate, (start, end), state, "DOP853", rtol=tolerance, atol=1e-3 * tolerance)
-            state = done.y[:, -1]
+            state = np.asarray(done.y[:, -1], dtype=float)
         return state
 
     def _rate(self, piece: int, middle: float):
@@ -133,9 +145,9 @@ class _Arm:
             for _ in range(ROUNDS):
                 n, m = R.T @ N, R.T @ M
                 for tension, p, dp in places:
-                    t = v + np.cross(u, p) + dp
+                    t = v + cross(u, p) + dp
                     pull = tension * t / np.sqrt(t @ t)
-                    n, m = n - pull, m - np.cross(p, pull)
+                    n, m = n - pull, m - cross(p, pull)
                 new_v, new_u = E_X + n / K_n, m / K_m
                 change = np.abs(new_v - v).max() + self.length * np.abs(new_u - u).max()
                 v, u = new_v, new_u
@@ -143,6 +155,7 @@ class _Arm:
                     break
             dr = R @ v
             spin = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
-            return np.concatenate([dr, (R @ spin).ravel(), -np.cross(dr, N)])
+            rates = [dr, (R @ spin).ravel(), -cross(dr, N)]
+            return np.asarray(np.concatenate(rates), dtype=float)
 
         return rate

@@ -42,7 +42,8 @@ class Exhibit:
     """A scene of examples/ with what is measured on it, and against what.
 
     `measured` and `expected` are numbers or vectors in `unit`; their difference is divided by `scale`, a
-    length, or by the size of `expected` if None. `view` and `up` point the camera, where the program's choice is bad.
+    length, or by the size of `expected` if None. `view` and `up` point the camera, where the program's choice
+    is bad.
     """
 
     name: str
@@ -144,7 +145,7 @@ def _finger(scene: Scene) -> Floats:
 def _cable_sag(scene: Scene) -> float:
     n, rod = _first(scene), scene.rods[0]
     assert scene.gravity is not None
-    weight = rod.material.density * n.A * float(np.linalg.norm(scene.gravity.acceleration))
+    weight = (rod.material.density or 0.0) * n.A * float(np.linalg.norm(scene.gravity.acceleration))
     span = n.L + float(scene.joints[1].displacement[0])
     return -hanging_cable(n.L, span, weight, n.EA).sag
 
@@ -163,7 +164,7 @@ def _vine(scene: Scene) -> Floats:
     properties = RodProperties.circle(
         n.L, n.R, n.E, n.nu, base_position=rod.base.position, base_rotation=rod.base.rotation
     )
-    weight = rod.material.density * n.A * scene.gravity.acceleration
+    weight = (rod.material.density or 0.0) * n.A * scene.gravity.acceleration
     return solve_rod(properties, RodLoads(line_load=weight)).position[0]
 
 
