@@ -125,6 +125,25 @@ def test_curvature_is_that_of_the_bent_rod():
         np.testing.assert_allclose(skin.point_data[FIELD], expected, rtol=0.01)
 
 
+def test_stress_falls_along_each_part_of_a_cantilever():
+    """F (L - x) R/I at the root of each part, with its own R (beam theory, small load)."""
+    made = {"material": ROD["material"], "elements": 8, "length": 0.5}
+    parts = [{**made, "section": {"shape": "circle", "radius": r}} for r in (0.02, 0.01)]
+    force = 1e-4
+    scene = {"rod": [{"name": "arm", "segments": parts}], "force": [{"value": [0, 0, force]}]}
+    drawn_skins, scale = skins(ancf.solve(ancf.scene_from_dict(scene)), FIELDS["stress"])
+    assert scale.title == "von Mises stress [Pa]"
+    for skin, start, radius in zip(drawn_skins, (0.0, 0.5), (0.02, 0.01), strict=True):
+        values, x = skin.point_data[FIELD], skin.points[:, 0]
+        near_root = np.abs(x - start) < 1e-4
+        expected = force * (1.0 - start) * radius / (math.pi * radius**4 / 4)
+        assert values[near_root].max() == pytest.approx(expected, rel=0.01)
+        near_end = np.abs(x - start - 0.5) < 1e-4
+        assert values[near_end].max() == pytest.approx(
+            expected * (0.5 - start) / (1.0 - start), abs=0.02 * expected
+        )
+
+
 def test_twist_is_no_curvature():
     (skin,), _ = skins(solved(moment=[{"value": [0.5 * EI, 0, 0]}]), FIELDS["curvature"])
     assert np.abs(skin.point_data[FIELD]).max() < 1e-9
