@@ -221,7 +221,7 @@ EXHIBITS = (
         "tip", "m", _tip, _concentric, _length,
         "sum(EI k)/sum(EI), reference/arcs.py (Webster, Romano, Cowan 2009)",
         1e-3, "the radius of the tube times its curvature, squared",
-        view=(1.0, 0.25, 0.2), up=(0.0, 0.0, 1.0),
+        field="axial strain", view=(1.0, 0.25, 0.2), up=(0.0, 0.0, 1.0),
     ),
     Exhibit(
         "pneumatic-finger",
