@@ -36,6 +36,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.joint_closing import closing_motion
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import SectionRotation, exp, hat, section_rotation
 from ancf.scene import Joint, Place, Scene
@@ -122,6 +123,12 @@ class JointModel:
     def __init__(self, joint: Joint, rods: list[RodModel], first: int) -> None:
         self.joint = joint
         self.sections = [joint_section(rods, place) for place in joint.places]
+        self.displacement, self.rotation = joint.displacement, joint.rotation
+        if joint.apart:
+            a, b = ((s.rod.rod, place.at) for s, place in zip(self.sections, joint.places, strict=True))
+            self.displacement, self.rotation = closing_motion(*a, *b)
+        if joint.kind == "ball":  # which turns nothing
+            self.rotation = np.zeros(3)
         self.w, self.x, self.y = turning_conditions(joint)
         self.conditions = 3 + len(self.w)
         self.multipliers = first + np.arange(self.conditions)
@@ -144,7 +151,7 @@ class JointModel:
     @property
     def longest_step(self) -> float:
         """Largest step of the load factor, by which the prescribed motion stays near; inf without one."""
-        turn, shift = np.linalg.norm(self.joint.rotation), np.linalg.norm(self.joint.displacement)
+        turn, shift = np.linalg.norm(self.rotation), np.linalg.norm(self.displacement)
         steps = [LONGEST_TURN / turn if turn else np.inf]
         steps += [LONGEST_SHIFT * s.rod.rod.length / shift if shift else np.inf for s in self.sections]
         return float(min(steps))
@@ -156,7 +163,7 @@ class JointModel:
 
     def _other(self, rotations: list[SectionRotation], load_factor: float) -> Floats:
         """B (3, 3): rotation of the section b, or of the ground, and what the joint turns a against it."""
-        turn = exp(load_factor * self.joint.rotation)
+        turn = exp(load_factor * self.rotation)
         return rotations[1].R @ turn if len(rotations) > 1 else turn
 
     def terms(self, x: Floats, load_factor: float) -> JointTerms:
@@ -173,9 +180,9 @@ class JointModel:
         size = len(x)
         g, rate, K = np.zeros(size), np.zeros(size), np.zeros((size, size))
         gap, turn = slice(size - self.conditions, size - self.conditions + 3), slice(-len(mu) or size, None)
-        g[gap] = -load_factor * self.joint.displacement
+        g[gap] = -load_factor * self.displacement
         g[turn] = np.einsum("it,itj,itj->i", self.w, X, Y)
-        rate[gap] = -self.joint.displacement
+        rate[gap] = -self.displacement
         spins, start = [], 0
         for sign, s, rotation, part in zip((1.0, -1.0), self.sections, rotations, e, strict=False):
             here = slice(start, start + part.size)
@@ -197,7 +204,7 @@ class JointModel:
             K[a, b] = -w_a.T @ M.T @ w_b
             K[b, a] = K[a, b].T
         # B turns with phi per load factor, in the axes of b.
-        turning = rotations[1].R @ self.joint.rotation if others else self.joint.rotation
+        turning = rotations[1].R @ self.rotation if others else self.rotation
         rate[a] = -w_a.T @ M.T @ turning
         rate[turn] = -m_i @ turning
         for b, w_b in others:

@@ -247,9 +247,8 @@ class Joint:
 
     ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
     unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
-    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Between
-    two rods that are apart in the reference they bring the sections together, as rods are assembled that do
-    not fit: a is moved by them against b.
+    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Two
+    sections that are `apart` in the reference are brought together by the load factor.
     """
 
     kind: str
@@ -258,11 +257,7 @@ class Joint:
     axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-
-    @property
-    def closing(self) -> bool:
-        """Whether it brings together two sections that are apart in the reference."""
-        return self.b is not None and bool(np.any(self.displacement) or np.any(self.rotation))
+    apart: bool = False
 
     @property
     def across(self) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.mesh import reference_axis
-from ancf.rotation import hat, log
+from ancf.rotation import hat
 from ancf.scene import SAME_PLACE, Joint, Place, Rod
 from ancf.scene_rods import read_direction
 from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, show
@@ -26,7 +26,6 @@ Floats = NDArray[np.float64]
 KINDS = ("rigid", "hinge", "ball")
 KEYS = ("kind", "a", "b", "axis", "displacement", "rotation", "reference")
 REFERENCES = ("together", "apart")
-FOLLOWED = 200  # places along two rods; a step turns them by less than half a turn up to 100 turns
 GROUND = "ground"
 # Of the longer rod: places that should be one differ by the rounding of what was written.
 COINCIDE = 1e-6
@@ -84,7 +83,7 @@ def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
             if key in table.data:
                 _refuse_key(table, key, "joint of two rods", "a section is moved against the ground")
         if apart:
-            return Joint(kind, a, b, axis, *_closing(kind, a, b, rods))
+            return Joint(kind, a, b, axis, apart=True)
     elif "reference" in table.data:
         _refuse_key(table, "reference", "joint to the ground", "displacement and rotation move it there")
     elif kind == "ball" and "rotation" in table.data:
@@ -134,39 +133,6 @@ def _position(place: Place, rods: Sequence[Rod]) -> Floats:
     rod = _rod_of(place, rods)
     position, _ = reference_axis(np.array([place.at * rod.length]), rod.curvature)
     return rod.base.position + rod.base.rotation @ position[0]
-
-
-def _closing(kind: str, a: Place, b: Place, rods: Sequence[Rod]) -> tuple[Floats, Floats]:
-    """Displacement [m] and rotation vector [rad] that bring a to b: X_b - X_a and Log(F_b F_a^T).
-
-    Rods may be curved by several turns against each other, which no logarithm knows: it is followed along
-    both from their bases.
-    """
-    displacement = _position(b, rods) - _position(a, rods)
-    rotation = np.zeros(3)
-    if kind == "ball":
-        return displacement, rotation
-    for share in np.linspace(0.0, 1.0, FOLLOWED):
-        here = [_frame(Place(place.rod, share * place.at), rods) for place in (a, b)]
-        rotation = nearest_turn(log(here[1] @ here[0].T), rotation)
-    return displacement, rotation
-
-
-def nearest_turn(rotation: Floats, former: Floats) -> Floats:
-    """The rotation vector (3,) of the same rotation, by whole turns nearest to a former one."""
-    angle = np.linalg.norm(rotation)
-    axis = rotation if angle > 0.0 else former
-    if not np.any(axis):
-        return rotation
-    axis = axis / np.linalg.norm(axis)
-    return (angle + 2.0 * np.pi * np.round((axis @ former - angle) / (2.0 * np.pi))) * axis
-
-
-def _frame(place: Place, rods: Sequence[Rod]) -> Floats:
-    """Axes (3, 3) of a section in the reference, as columns in SCS."""
-    rod = _rod_of(place, rods)
-    _, frame = reference_axis(np.array([place.at * rod.length]), rod.curvature)
-    return rod.base.rotation @ frame[0]
 
 
 def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod], may_be_apart: bool) -> None:

@@ -1,6 +1,7 @@
 """Joints of rods that are apart in the reference: the load factor brings them together."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -136,4 +137,30 @@ def test_turns_are_counted_along_the_rods(turns):
     scene = ancf.scene_from_dict(
         {"rod": [curved, rod("outer", STIFF, [0, 0, 0], supports=[{}])], "joint": [joint(1.0)]}
     )
-    np.testing.assert_allclose(scene.joints[0].rotation, [0, 0, -2 * math.pi * turns], atol=1e-9)
+    joints = Model(scene).joints
+    assert joints is not None
+    np.testing.assert_allclose(joints.models[0].rotation, [0, 0, -2 * math.pi * turns], atol=1e-9)
+
+
+@pytest.mark.parametrize("parameter", ["curvature", "length", "radius"])
+def test_sensitivities_know_that_the_gap_changes(parameter):
+    """Central differences of two solutions: their error is of second order in the step."""
+    scene = tubes([(0.5, 1.0, 3.0), (0.0, -1.0, 2.0)])
+    solution = ancf.solve(scene)
+    size = {"curvature": 1e-3, "length": 1e-6, "radius": 1e-7}[parameter]
+
+    def tip(step):
+        change = {
+            "curvature": lambda r: {"curvature": r.curvature + np.array([0, 0, step])},
+            "length": lambda r: {"length": r.length + step},
+            "radius": lambda r: {"section": replace(r.section, radius=r.section.radius + step)},
+        }[parameter]
+        rods = tuple(replace(r, **change(r)) if r.name == "outer" else r for r in scene.rods)
+        pose = ancf.solve(replace(scene, rods=rods)).tip("outer")
+        return np.concatenate([pose.position, pose.r_x, pose.r_y, pose.r_z])
+
+    difference = (tip(size) - tip(-size)) / (2 * size)
+    exact = solution.sensitivity(parameter, "outer")
+    exact = exact[:, 2] if parameter == "curvature" else exact
+    assert np.abs(exact).max() > 1e-3
+    np.testing.assert_allclose(exact, difference, atol=2e-5 * np.abs(exact).max())
