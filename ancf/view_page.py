@@ -80,7 +80,7 @@ def check_page_path(path: str | os.PathLike[str]) -> Path:
 
 
 def write_page(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Write the page of a solution: turned with the mouse, some 1.3 MB, whole or not at all."""
+    """Write the page of a solution: turned with the mouse, 1.3 MB for one rod, whole or not at all."""
     target = check_page_path(path)
     text = _page(solution)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".unfinished-") as stage:
