@@ -42,7 +42,9 @@ def solve(
     plot: Annotated[
         Path | None, typer.Option(help="Picture (.png, .svg, .pdf), one panel for each scene.")
     ] = None,
-    view: Annotated[Path | None, typer.Option(help="Interactive view; not in this version.")] = None,
+    view: Annotated[
+        Path | None, typer.Option(help="Interactive page (.html) of one scene, which needs no network.")
+    ] = None,
 ) -> None:
     """Find the static equilibrium of one or more scenes.
 
@@ -50,18 +52,20 @@ def solve(
     one on the way and the reason are in the result.
     """
     from ancf import view as pictures
+    from ancf import view_page
     from ancf.io import result_text, write_result
     from ancf.scene_file import load_scene
     from ancf.solver import prepare
     from ancf.solver import solve as find_equilibrium
 
-    if view is not None:
-        _refuse_view(view)
     loaded = [load_scene(path) for path in scenes]
     for scene in loaded:  # what can be refused is refused before anything is solved or written
         prepare(scene)
     if plot is not None:
         pictures.check_picture_path(plot)
+    if view is not None:
+        _check_one(scenes, view)
+        view_page.check_page_path(view)
     folders = _folders(scenes, out)
     console = _console()
     solutions, results = [], []
@@ -75,6 +79,9 @@ def solve(
     if plot is not None:
         with _progress(console, f"drawing {plot}", quiet=json), _writing(plot):
             pictures.draw(solutions, plot)
+    if view is not None:
+        with _progress(console, f"drawing {view}", quiet=json), _writing(view):
+            view_page.write_page(solutions[0], view)
     if json:
         print(result_text(results[0] if len(results) == 1 else {"schema": 1, "results": results}))
     if any(result["status"] != "converged" for result in results):
@@ -150,16 +157,18 @@ def _first_choice(rod: Rod) -> str:
     return f"first {rod.element}" if rod.any_element else rod.element
 
 
-def _refuse_view(view: Path) -> None:
-    raise InputError(
-        Message(
-            "--view is not in this version.",
-            f"command line: --view {view}",
-            "this version draws with --plot FILE.png, .svg or .pdf",
-            "the interface reserves it for a later version",
-            "use --plot FILE.png",
+def _check_one(scenes: list[Path], view: Path) -> None:
+    """Refuse a page of several scenes."""
+    if len(scenes) > 1:
+        raise InputError(
+            Message(
+                "A page shows one scene.",
+                f"command line: --view {view}",
+                f"{len(scenes)} scenes, must be 1",
+                "--plot draws several, --view does not",
+                "solve the scenes one by one, each with a page of its own",
+            )
         )
-    )
 
 
 def _folders(scenes: list[Path], out: Path | None) -> list[Path | None]:

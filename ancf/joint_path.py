@@ -53,7 +53,7 @@ def placed(model: Model, shapes: Sequence[LocalShape], linear: Floats, turned: S
     while len(done) < len(model.rods):
         before = len(done)
         for joint in model.scene.joints:
-            if joint.kind != "rigid" or joint.b is None:
+            if joint.kind != "rigid" or joint.b is None or joint.apart:
                 continue
             for a, b in ((joint.a, joint.b), (joint.b, joint.a)):
                 if a.rod in done and b.rod not in done:

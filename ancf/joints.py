@@ -5,9 +5,10 @@ A joint adds to the potential lambda . c + sum_i mu_i g_i with the conditions
     c   = (r_a - r_a0) - (r_b - r_b0) - l u = 0,                    the gap,
     g_i = sum_t w_it (R_a x_it) . (B y_it) = 0,                     what the rotations may not do,
 
-R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b, or on the ground
-B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor l. With the
-axes e of SCS and D = B^T R_a
+R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b Exp(l phi), or on
+the ground B = Exp(l phi) and r_b = r_b0: a section may be moved by u and turned by phi times the load factor
+l. Between two rods u and phi are not zero where they are apart in the reference: at l = 1 they have met. With
+the axes e of SCS and D = B^T R_a
 
     rigid   g = axial part of D, so 1/2 (D_32 - D_23) and so on: sin(angle) times its axis;
     hinge   g = (t_1 . D n, t_2 . D n), n the axis and t_1, t_2 across it; ball: none.
@@ -35,6 +36,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.joint_closing import closing_motion
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import SectionRotation, exp, hat, section_rotation
 from ancf.scene import Joint, Place, Scene
@@ -121,6 +123,12 @@ class JointModel:
     def __init__(self, joint: Joint, rods: list[RodModel], first: int) -> None:
         self.joint = joint
         self.sections = [joint_section(rods, place) for place in joint.places]
+        self.displacement, self.rotation = joint.displacement, joint.rotation
+        if joint.apart:
+            a, b = ((s.rod.rod, place.at) for s, place in zip(self.sections, joint.places, strict=True))
+            self.displacement, self.rotation = closing_motion(*a, *b)
+        if joint.kind == "ball":  # which turns nothing
+            self.rotation = np.zeros(3)
         self.w, self.x, self.y = turning_conditions(joint)
         self.conditions = 3 + len(self.w)
         self.multipliers = first + np.arange(self.conditions)
@@ -143,7 +151,7 @@ class JointModel:
     @property
     def longest_step(self) -> float:
         """Largest step of the load factor, by which the prescribed motion stays near; inf without one."""
-        turn, shift = np.linalg.norm(self.joint.rotation), np.linalg.norm(self.joint.displacement)
+        turn, shift = np.linalg.norm(self.rotation), np.linalg.norm(self.displacement)
         steps = [LONGEST_TURN / turn if turn else np.inf]
         steps += [LONGEST_SHIFT * s.rod.rod.length / shift if shift else np.inf for s in self.sections]
         return float(min(steps))
@@ -154,8 +162,9 @@ class JointModel:
         return [part.reshape(-1, 3) for part in np.split(x, cuts)[: len(cuts)]]
 
     def _other(self, rotations: list[SectionRotation], load_factor: float) -> Floats:
-        """B (3, 3): rotation of the section b, or of the ground."""
-        return rotations[1].R if len(rotations) > 1 else exp(load_factor * self.joint.rotation)
+        """B (3, 3): rotation of the section b, or of the ground, and what the joint turns a against it."""
+        turn = exp(load_factor * self.rotation)
+        return rotations[1].R @ turn if len(rotations) > 1 else turn
 
     def terms(self, x: Floats, load_factor: float) -> JointTerms:
         """Residual, its rate with the load factor, and its tangent, all of this joint alone."""
@@ -171,9 +180,9 @@ class JointModel:
         size = len(x)
         g, rate, K = np.zeros(size), np.zeros(size), np.zeros((size, size))
         gap, turn = slice(size - self.conditions, size - self.conditions + 3), slice(-len(mu) or size, None)
-        g[gap] = -load_factor * self.joint.displacement
+        g[gap] = -load_factor * self.displacement
         g[turn] = np.einsum("it,itj,itj->i", self.w, X, Y)
-        rate[gap] = -self.joint.displacement
+        rate[gap] = -self.displacement
         spins, start = [], 0
         for sign, s, rotation, part in zip((1.0, -1.0), self.sections, rotations, e, strict=False):
             here = slice(start, start + part.size)
@@ -194,9 +203,12 @@ class JointModel:
         for b, w_b in others:
             K[a, b] = -w_a.T @ M.T @ w_b
             K[b, a] = K[a, b].T
-        if not others:  # the ground turns with phi per load factor
-            rate[a] = -w_a.T @ M.T @ self.joint.rotation
-            rate[turn] = -m_i @ self.joint.rotation
+        # B turns with phi per load factor, in the axes of b.
+        turning = rotations[1].R @ self.rotation if others else self.rotation
+        rate[a] = -w_a.T @ M.T @ turning
+        rate[turn] = -m_i @ turning
+        for b, w_b in others:
+            rate[b] = w_b.T @ M.T @ turning
         return JointTerms(g, rate, K)
 
     def closed(self, x: Floats, load_factor: float) -> bool:

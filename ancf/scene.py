@@ -247,7 +247,8 @@ class Joint:
 
     ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
     unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
-    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor.
+    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Two
+    sections that are `apart` in the reference are brought together by the load factor.
     """
 
     kind: str
@@ -256,6 +257,7 @@ class Joint:
     axis: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    apart: bool = False
 
     @property
     def across(self) -> NDArray[np.float64]:

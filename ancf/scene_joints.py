@@ -24,7 +24,8 @@ from ancf.units import LENGTH, NUMBER
 Floats = NDArray[np.float64]
 
 KINDS = ("rigid", "hinge", "ball")
-KEYS = ("kind", "a", "b", "axis", "displacement", "rotation")
+KEYS = ("kind", "a", "b", "axis", "displacement", "rotation", "reference")
+REFERENCES = ("together", "apart")
 GROUND = "ground"
 # Of the longer rod: places that should be one differ by the rounding of what was written.
 COINCIDE = 1e-6
@@ -74,10 +75,17 @@ def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
     elif "axis" in table.data:
         _refuse_key(table, "axis", kind, "only a hinge has an axis")
     if b is not None:
-        _check_together(table, a, b, rods)
+        apart = table.word("reference", REFERENCES, REFERENCES[0]) == "apart"
+        if apart and kind == "hinge":
+            _refuse_key(table, "reference", kind, "its axis lies in both sections at the reference")
+        _check_together(table, a, b, rods, apart)
         for key in ("displacement", "rotation"):
             if key in table.data:
                 _refuse_key(table, key, "joint of two rods", "a section is moved against the ground")
+        if apart:
+            return Joint(kind, a, b, axis, apart=True)
+    elif "reference" in table.data:
+        _refuse_key(table, "reference", "joint to the ground", "displacement and rotation move it there")
     elif kind == "ball" and "rotation" in table.data:
         _refuse_key(table, "rotation", kind, "a ball leaves all rotations free")
     elif kind == "hinge":
@@ -127,8 +135,8 @@ def _position(place: Place, rods: Sequence[Rod]) -> Floats:
     return rod.base.position + rod.base.rotation @ position[0]
 
 
-def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod]) -> None:
-    """Refuse a joint of two places apart, and of a section with itself."""
+def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod], may_be_apart: bool) -> None:
+    """Refuse a joint of two places apart, unless they may be, and of a section with itself."""
     if a.rod == b.rod and abs(a.at - b.at) < SAME_PLACE:
         table.refuse(
             "b",
@@ -139,13 +147,13 @@ def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod]) -> No
         )
     apart = float(np.linalg.norm(_position(a, rods) - _position(b, rods)))
     length = max(_rod_of(place, rods).length for place in (a, b))
-    if not apart <= COINCIDE * length:
+    if not (may_be_apart or apart <= COINCIDE * length):
         table.refuse(
             "b",
             "The two places of the joint are apart in the reference.",
             f"{apart:.3g} m, must be <= {COINCIDE:g} of the longer rod, {COINCIDE * length:.3g} m",
             "base, length or curvature of a rod does not bring it there, or `at` counts from the other end",
-            "move a rod's base.position; to bring an end to a place, give a joint to ground a displacement",
+            'move a rod\'s base.position, or write reference = "apart": the load factor then closes the gap',
         )
 
 

@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.section_stress import part_skin, second_stress, section_strain, tensor
+from ancf.section_stress import cauchy_stress, part_skin, second_stress, section_strain, tensor
 
 if TYPE_CHECKING:
+    from ancf.rod_model import RodModel
     from ancf.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -56,10 +57,8 @@ def rod_surface(solution: Solution, name: str, part: int = 0) -> Surface:
     """
     rod = next(model for model in solution.model.rods if model.rod.name == name)
     y, z = part_skin(rod, part, OUTLINE_POINTS)
-    x = rod.axial_abscissae[rod.elements_of(part)].ravel()
-    chosen = np.unique(np.linspace(0, len(x) - 1, min(len(x), MOST_RINGS)).round().astype(int))
+    chosen, at = _chosen_rings(rod, part)
     first, last = rod.rod.ends[part : part + 2]
-    at = np.concatenate([[first], x[chosen] / rod.rod.length, [last]])
     segment = rod.rod.parts[part]
     share = (at - first) / (last - first)
     rings = np.array([segment.section_at(float(s)).outline(OUTLINE_POINTS) for s in share])
@@ -74,6 +73,22 @@ def rod_surface(solution: Solution, name: str, part: int = 0) -> Surface:
         strain=tensor(_to_ends(strain, at), shear=0.5),
         stress=tensor(_to_ends(stress, at), shear=1.0),
     )
+
+
+def skin_stress(solution: Solution, name: str, part: int = 0) -> Floats:
+    """Cauchy stress (rings, points, 3, 3) [Pa] in SCS at the points of `rod_surface`."""
+    rod = next(model for model in solution.model.rods if model.rod.name == name)
+    y, z = part_skin(rod, part, OUTLINE_POINTS)
+    chosen, at = _chosen_rings(rod, part)
+    return _to_ends(cauchy_stress(rod, solution.q, y, z, part)[chosen], at)
+
+
+def _chosen_rings(rod: RodModel, part: int) -> tuple[NDArray[np.intp], Floats]:
+    """Axial points of a part that carry rings, and the stations of all rings, the two ends among them."""
+    x = rod.axial_abscissae[rod.elements_of(part)].ravel()
+    chosen = np.unique(np.linspace(0, len(x) - 1, min(len(x), MOST_RINGS)).round().astype(int))
+    first, last = rod.rod.ends[part : part + 2]
+    return chosen, np.concatenate([[first], x[chosen] / rod.rod.length, [last]])
 
 
 def _to_ends(values: Floats, at: Floats) -> Floats:

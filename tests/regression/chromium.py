@@ -26,6 +26,7 @@ FLAGS = (
     "--disable-dev-shm-usage",
     "--remote-debugging-pipe",
 )
+WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")  # drawn by the processor
 
 PATIENCE = 60.0  # s; a browser that hangs must not hang the tests
 
@@ -47,11 +48,11 @@ def find_chromium() -> str | None:
 class Browser:
     """One page of a browser; `events` keeps everything it reported."""
 
-    def __init__(self, executable: str) -> None:
+    def __init__(self, executable: str, flags: tuple[str, ...] = ()) -> None:
         self._profile = tempfile.TemporaryDirectory(prefix="chromium-", ignore_cleanup_errors=True)
         to_browser, self._write = os.pipe()
         self._read, from_browser = os.pipe()
-        words = [executable, *FLAGS, f"--user-data-dir={self._profile.name}", "about:blank"]
+        words = [executable, *FLAGS, *flags, f"--user-data-dir={self._profile.name}", "about:blank"]
         self._process = subprocess.Popen(
             [sys.executable, "-c", ON_PIPES, str(to_browser), str(from_browser), *words],
             pass_fds=(to_browser, from_browser),

@@ -201,7 +201,11 @@ def test_impossible_destinations_are_refused_before_solving(
     assert "no folder" in refused(capsys, "solve", scene, "--plot", str(tmp_path / "none" / "p.png"))
     (tmp_path / "p.png").mkdir()
     assert "a directory" in refused(capsys, "solve", scene, "--plot", str(tmp_path / "p.png"))
-    assert "not in this version" in refused(capsys, "solve", scene, "--view", str(tmp_path / "v.html"))
+    assert "is not .html" in refused(capsys, "solve", scene, "--view", str(tmp_path / "v.png"))
+    assert "no folder" in refused(capsys, "solve", scene, "--view", str(tmp_path / "none" / "v.html"))
+    (tmp_path / "v.html").mkdir()
+    assert "a directory" in refused(capsys, "solve", scene, "--view", str(tmp_path / "v.html"))
+    assert "shows one scene" in refused(capsys, "solve", scene, scene, "--view", str(tmp_path / "w.html"))
     assert "more than once" in refused(capsys, "solve", scene, scene, "--out", str(tmp_path / "o"))
 
 
