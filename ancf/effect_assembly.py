@@ -34,6 +34,8 @@ EFFECT_MODULES = {
     "magnets": "magnet",
     "tendons": "tendon",
     "pressures": "pressure",
+    "springs": "spring",
+    "foundations": "foundation",
 }
 
 
@@ -48,7 +50,7 @@ def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
 
 def blocks_of(q: Floats, dofs: Indices) -> Floats:
     """Nodal vectors (m, nd / 3, 3) of the blocks dofs (m, nd)."""
-    return q[dofs].reshape(len(dofs), -1, 3)
+    return q[dofs].reshape(len(dofs), dofs.shape[1] // 3, 3)
 
 
 def add_blocks(total: Floats, dofs: Indices, Q: Floats) -> None:

@@ -227,6 +227,37 @@ class Pressure:
 
 
 @dataclass(frozen=True, eq=False)
+class Spring:
+    """A spring on the point (y, z) of a section, with the stiffness matrix (3, 3) [N/m] in SCS.
+
+    Without an anchor it resists displacements from the reference; with one [m, SCS] it acts along the line to
+    it, with the stiffness that its matrix has on the diagonal. `free_length` [m] is that without force, None
+    the distance in the reference.
+    """
+
+    rod: str
+    at: float
+    stiffness: NDArray[np.float64]
+    offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
+    anchor: NDArray[np.float64] | None = None
+    free_length: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Foundation:
+    """An elastic bed under a part of a rod: stiffnesses (3,) [N/m2] per reference length along `axes`.
+
+    `axes` (3, 3) are columns in SCS, None those of each reference section (x along the rod).
+    """
+
+    rod: str
+    stiffness: NDArray[np.float64]
+    axes: NDArray[np.float64] | None = field(default_factory=lambda: np.eye(3))
+    start: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -303,6 +334,8 @@ class Scene:
     gravity: Gravity | None = None
     tendons: tuple[Tendon, ...] = ()
     pressures: tuple[Pressure, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    foundations: tuple[Foundation, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
@@ -311,6 +344,11 @@ class Scene:
     def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""
         return self.rod(load.rod).base.rotation if load.frame == "body" else np.eye(3)
+
+    @property
+    def held_on_the_way(self) -> bool:
+        """Whether springs or foundations resist the loads besides the rods."""
+        return any(np.any(held.stiffness) for held in (*self.springs, *self.foundations))
 
     def rod(self, name: str) -> Rod:
         """Return the rod of that name; raises KeyError for an unknown one."""

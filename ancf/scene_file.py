@@ -31,6 +31,7 @@ from ancf.scene_loads import (
 )
 from ancf.scene_pressures import read_pressure
 from ancf.scene_rods import default_name, read_rod
+from ancf.scene_springs import read_foundation, read_spring
 from ancf.scene_table import Table
 from ancf.scene_tendons import read_tendon
 
@@ -45,6 +46,8 @@ SCENE_KEYS = (
     "magnet",
     "tendon",
     "pressure",
+    "spring",
+    "foundation",
     "joint",
     "solver",
     "stability",
@@ -138,6 +141,8 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
         pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
+        springs=tuple(read_spring(entry, rods) for entry in table.tables("spring")),
+        foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
         joints=read_joints(table.tables("joint"), entries, rods),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,

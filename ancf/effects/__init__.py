@@ -6,6 +6,7 @@ An effect acts on dense blocks of unknowns and knows nothing of the other effect
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,10 @@ class Effect(ABC):
     @abstractmethod
     def potential(self, e: Floats) -> float | None:
         """Potential V [J], None for an effect without one."""
+
+    def report(self, e: Floats) -> dict[str, Any]:
+        """Entry of a passive effect in the result (passive_reports.py), plain Python."""
+        raise NotImplementedError
 
 
 class DeadLoad(Effect):

@@ -243,6 +243,8 @@ def test_only_listed_effects_are_imported(field):
         "magnets": "magnets=(Magnet('rod', np.ones(3), np.ones(3)),)",
         "tendons": "tendons=(Tendon('rod', 1.0, np.array([[0, 0.05, 0], [1, 0.05, 0]])),)",
         "pressures": "pressures=(Pressure('rod', 1e3, np.zeros(2), 0.05),)",
+        "springs": "springs=(Spring('rod', 1.0, np.eye(3)),)",
+        "foundations": "foundations=(Foundation('rod', np.ones(3)),)",
     }
     code = f"""
 import sys, numpy as np, ancf
