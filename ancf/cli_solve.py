@@ -283,6 +283,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "pressure": scene.pressures,
         "spring": scene.springs,
         "foundation": scene.foundations,
+        "contact": scene.contacts,
         "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}

@@ -36,6 +36,7 @@ EFFECT_MODULES = {
     "pressures": "pressure",
     "springs": "spring",
     "foundations": "foundation",
+    "contacts": "contact",
 }
 
 

@@ -30,6 +30,7 @@ from ancf.supports import NodeSupport
 if TYPE_CHECKING:
     from scipy import sparse
 
+    from ancf.effects import Effect
     from ancf.joints import Joints
 
 Floats = NDArray[np.float64]
@@ -128,6 +129,26 @@ class Model:
         """Whether no joint has met its conditions the wrong way round, half a turn off."""
         return self.joints is None or self.joints.closed(q, load_factor)
 
+    @cached_property
+    def contacts(self) -> list[Effect]:
+        """Effects that augmentation moves (settling.py)."""
+        return [effect for effect in self.effects if effect.name == "contact"]
+
+    def augment(self, q: Floats) -> bool:
+        """Move what contact holds fixed in a Newton run; whether there was anything to move."""
+        moved = [effect.augment(blocks_of(q, effect.dofs)) for effect in self.contacts]
+        return any(moved)
+
+    def release(self) -> None:
+        """Forget what augmentation has found."""
+        for effect in self.contacts:
+            effect.release()
+
+    def room(self, q: Floats, q_new: Floats) -> float:
+        """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
+        ways = (e.room(blocks_of(q, e.dofs), blocks_of(q_new, e.dofs)) for e in self.contacts)
+        return min(ways, default=np.inf)
+
     @property
     def unknowns(self) -> int:
         """Number of unknowns that the supports leave."""
@@ -222,6 +243,8 @@ class Model:
         model.scene = scene
         model.effects = load_effects(scene, self.rods)
         model._effect_sums = self._effect_sums.of(model.effects)
+        for made in ("contacts", "system") if self.contacts else ():  # their state belongs to one model
+            vars(model).pop(made, None)
         return model
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:

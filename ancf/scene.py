@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from ancf.elements import ELEMENTS
 from ancf.hyperelastic import Law
 from ancf.sections import Section
 from ancf.segments import Segment, starts
+
+if TYPE_CHECKING:
+    from ancf.obstacles import Obstacle
 
 SAME_PLACE = 1e-9  # fractions of the length closer than this are one place
 
@@ -258,6 +261,14 @@ class Foundation:
 
 
 @dataclass(frozen=True, eq=False)
+class Contact:
+    """Contact of a rod with a rigid obstacle, without friction."""
+
+    rod: str
+    obstacle: Obstacle
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -336,6 +347,7 @@ class Scene:
     pressures: tuple[Pressure, ...] = ()
     springs: tuple[Spring, ...] = ()
     foundations: tuple[Foundation, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None

@@ -42,6 +42,18 @@ class Effect(ABC):
     def potential(self, e: Floats) -> float | None:
         """Potential V [J], None for an effect without one."""
 
+    def augment(self, e: Floats) -> bool:
+        """Move what a Newton run holds fixed (multipliers of contact); whether there was anything to move."""
+        return False
+
+    def release(self) -> None:
+        """Forget what `augment` has found."""
+        return
+
+    def room(self, e: Floats, e_new: Floats) -> float:
+        """Share of the way from e to e_new that one step may take; above 1 all of it, and as much more."""
+        return np.inf
+
     def report(self, e: Floats) -> dict[str, Any]:
         """Entry of a passive effect in the result (passive_reports.py), plain Python."""
         raise NotImplementedError
