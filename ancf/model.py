@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effect_assembly import EffectAssembly, add_blocks, blocks_of, load_effects
+from ancf.effect_assembly import EffectAssembly, add_blocks, load_effects
+from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
@@ -30,7 +31,6 @@ from ancf.supports import NodeSupport
 if TYPE_CHECKING:
     from scipy import sparse
 
-    from ancf.effects import Effect
     from ancf.joints import Joints
 
 Floats = NDArray[np.float64]
@@ -134,9 +134,14 @@ class Model:
         """Effects that augmentation moves (settling.py)."""
         return [effect for effect in self.effects if effect.name == "contact"]
 
+    def search(self, q: Floats) -> None:
+        """Look at q (n,) for the pairs of the Newton run that begins there."""
+        for effect in self.contacts:
+            effect.search(q)
+
     def augment(self, q: Floats) -> bool:
         """Move what contact holds fixed in a Newton run; whether there was anything to move."""
-        moved = [effect.augment(blocks_of(q, effect.dofs)) for effect in self.contacts]
+        moved = [effect.augment(q) for effect in self.contacts]
         return any(moved)
 
     def release(self) -> None:
@@ -146,8 +151,7 @@ class Model:
 
     def room(self, q: Floats, q_new: Floats) -> float:
         """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
-        ways = (e.room(blocks_of(q, e.dofs), blocks_of(q_new, e.dofs)) for e in self.contacts)
-        return min(ways, default=np.inf)
+        return min((effect.room(q, q_new) for effect in self.contacts), default=np.inf)
 
     @property
     def unknowns(self) -> int:

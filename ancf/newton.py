@@ -111,6 +111,7 @@ class NewtonRun:
         self.result = NewtonResult(Outcome.TOO_MANY, self.q, load_factor, np.inf)
         self.done = False
         self._quiet = 0
+        model.search(self.q)
         if model.inside_out(self.q):
             self.end(Outcome.INVERTED)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effect_assembly import blocks_of
+from ancf.effects import blocks_of
 
 if TYPE_CHECKING:
     from ancf.model import Model

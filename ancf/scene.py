@@ -262,10 +262,11 @@ class Foundation:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contact of a rod with a rigid obstacle, without friction."""
+    """Contact of a rod with a rigid obstacle or with the rod `other`, which may be itself; no friction."""
 
     rod: str
-    obstacle: Obstacle
+    obstacle: Obstacle | None = None
+    other: str = ""
 
 
 @dataclass(frozen=True, eq=False)

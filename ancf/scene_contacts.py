@@ -33,11 +33,18 @@ def _read_contact(table: Table, rods: Sequence[Rod]) -> Contact:
     if table.number("friction", NUMBER, 0.0, NOT_NEGATIVE) != 0.0:
         table.refuse_later("friction", "Friction", "contact without friction (friction = 0)")
     _check_round(table, rods[names.index(name)])
-    return Contact(name, _read_obstacle(table.table("with", REQUIRED)))
+    body = table.table("with", REQUIRED)
+    if body.word("shape", (*SHAPES, "rod")) != "rod":
+        return Contact(name, _read_obstacle(body))
+    body.expect_keys(("shape", "name"))
+    body.get("name", REQUIRED)
+    other = body.known("name", names, "rod", "the contact is with a rod that the scene does not list")
+    _check_round(body, rods[names.index(other)])
+    return Contact(name, other=other)
 
 
 def _read_obstacle(table: Table) -> Obstacle:
-    shape = table.word("shape", (*SHAPES, "rod"))
+    shape = table.word("shape", tuple(SHAPES))
     table.expect_keys(("shape", *SHAPES[shape]))
     if shape == "plane":
         return Plane(table.vector("point", 3, LENGTH), read_direction(table, "normal", REQUIRED))
@@ -53,7 +60,7 @@ def _check_round(table: Table, rod: Rod) -> None:
         for section in (part.section, part.last_section):
             if not isinstance(section, Circle | Annulus):
                 table.refuse(
-                    "rod",
+                    "rod" if "with" in table.data else "name",
                     "Contact knows round sections only.",
                     f'rod "{rod.name}" has a section {type(section).__name__.lower()}',
                     "the gap is the distance of the axis less the radius of the section",

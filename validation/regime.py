@@ -122,7 +122,7 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
     found |= {"tendon" for tendon in scene.tendons if tendon.rod == rod.name and tendon.tension}
     found |= {"pressure" for chamber in scene.pressures if chamber.rod == rod.name and chamber.value}
     found |= {"spring" for spring in scene.springs if spring.rod == rod.name}
-    found |= {"contact" for contact in scene.contacts if contact.rod == rod.name}
+    found |= {"contact" for contact in scene.contacts if rod.name in (contact.rod, contact.other)}
     found |= {"foundation" for bed in scene.foundations if bed.rod == rod.name}
     return sorted(found | ({"gravity"} if scene.gravity is not None else set()))
 

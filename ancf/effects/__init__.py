@@ -14,6 +14,11 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+def blocks_of(q: Floats, dofs: NDArray[np.intp]) -> Floats:
+    """Nodal vectors (m, nd / 3, 3) of the blocks dofs (m, nd)."""
+    return q[dofs].reshape(len(dofs), dofs.shape[1] // 3, 3)
+
+
 class Effect(ABC):
     """What the solver asks of an effect.
 
@@ -42,7 +47,11 @@ class Effect(ABC):
     def potential(self, e: Floats) -> float | None:
         """Potential V [J], None for an effect without one."""
 
-    def augment(self, e: Floats) -> bool:
+    def search(self, q: Floats) -> None:
+        """Look at q (n,) for the blocks of the Newton run that begins there."""
+        return
+
+    def augment(self, q: Floats) -> bool:
         """Move what a Newton run holds fixed (multipliers of contact); whether there was anything to move."""
         return False
 
@@ -50,8 +59,8 @@ class Effect(ABC):
         """Forget what `augment` has found."""
         return
 
-    def room(self, e: Floats, e_new: Floats) -> float:
-        """Share of the way from e to e_new that one step may take; above 1 all of it, and as much more."""
+    def room(self, q: Floats, q_new: Floats) -> float:
+        """Share of the way from q to q_new (n,) that one step may take; above 1 as much more."""
         return np.inf
 
     def report(self, e: Floats) -> dict[str, Any]:

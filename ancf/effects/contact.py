@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.contact_law import PenaltyLaw
-from ancf.contact_points import contact_points
-from ancf.effects import Effect
+from ancf.contact_points import ContactPoints, contact_points
+from ancf.effects import Effect, blocks_of
 from ancf.errors import Message, SceneError
 from ancf.obstacles import Obstacle
 from ancf.rod_model import RodModel
@@ -35,7 +35,15 @@ LARGEST_DIVE = 0.5
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """Contacts of the scene."""
     models = {model.rod.name: model for model in rods}
-    return [ObstacleContact(models[c.rod], c.obstacle, index) for index, c in enumerate(scene.contacts)]
+    found: list[Effect] = []
+    for index, contact in enumerate(scene.contacts):
+        if contact.obstacle is not None:
+            found.append(ObstacleContact(models[contact.rod], contact.obstacle, index))
+        else:
+            from ancf.effects.rod_contact import RodContact
+
+            found.append(RodContact(models[contact.rod], models[contact.other], index))
+    return found
 
 
 class ObstacleContact(Effect):
@@ -51,7 +59,7 @@ class ObstacleContact(Effect):
         self.points = contact_points(model, obstacle.radius)
         self.dofs = model.dofs
         self.law = PenaltyLaw(self.points.k, self.points.radius)
-        _refuse_penetration(self, model.e0, index)
+        refuse_penetration(self.points, self.gaps(model.e0), self.rod, f"the {obstacle.shape}", index)
 
     def places(self, e: Floats) -> Floats:
         """Points of the axis (m, points, 3) [m, SCS]."""
@@ -83,21 +91,21 @@ class ObstacleContact(Effect):
         """See `Effect.potential`."""
         return self.law.energy(self.gaps(e))
 
-    def augment(self, e: Floats) -> bool:
+    def augment(self, q: Floats) -> bool:
         """See `Effect.augment`."""
-        return self.law.augment(self.gaps(e))
+        return self.law.augment(self.gaps(blocks_of(q, self.dofs)))
 
     def release(self) -> None:
         """See `Effect.release`."""
         self.law.release()
 
-    def room(self, e: Floats, e_new: Floats) -> float:
+    def room(self, q: Floats, q_new: Floats) -> float:
         """See `Effect.room`: a plane has no other side; from a body a point keeps its distance, or dives."""
         if self.obstacle.radius == np.inf:
             return np.inf
-        way = np.linalg.norm(self.points.N @ (e_new - e), axis=-1)
+        way = np.linalg.norm(self.points.N @ blocks_of(q_new - q, self.dofs), axis=-1)
         dive = LARGEST_DIVE * (self.obstacle.radius + self.points.radius)
-        free = np.clip(self.gaps(e), 0.0, None) + dive
+        free = np.clip(self.gaps(blocks_of(q, self.dofs)), 0.0, None) + dive
         return float(np.min(free / np.maximum(way, 1e-300)))
 
     def report(self, e: Floats) -> dict[str, Any]:
@@ -121,16 +129,16 @@ def contact_report(effect: Any, g: Floats, n: Floats) -> dict[str, Any]:
     }
 
 
-def _refuse_penetration(contact: ObstacleContact, e0: Floats, index: int) -> None:
-    g = contact.gaps(e0)
-    m, p = np.unravel_index(np.argmin(g + TOUCHING * contact.points.radius), g.shape)
-    radius, at = contact.points.radius[m, p], contact.points.at[m, p]
+def refuse_penetration(points: ContactPoints, g: Floats, rod: str, other: str, index: int) -> None:
+    """Refuse gaps g (m, points) in the reference that are none; `index` is that of the `[[contact]]`."""
+    m, p = np.unravel_index(np.argmin(g + TOUCHING * points.radius), g.shape)
+    radius, at = points.radius[m, p], points.at[m, p]
     if g[m, p] < -TOUCHING * radius:
         raise SceneError(
             Message(
                 "The rod stands in an obstacle from the beginning.",
-                f"contact[{index}], rod {contact.rod!r}, at {at:.4g} of its length",
-                f"gap {g[m, p]:.4g} m to the {contact.obstacle.shape}, must be >= 0",
+                f"contact[{index}], rod {rod!r}, at {at:.4g} of its length",
+                f"gap {g[m, p]:.4g} m to {other}, must be >= 0",
                 f"the gap counts from the surface of the rod, {radius:.4g} m from its axis",
                 "move the obstacle or the base of the rod by that much; a plane's normal points out of it",
             )
