@@ -16,20 +16,22 @@ from ancf.rod_model import RodModel
 
 Floats = NDArray[np.float64]
 
+# Pieces of an element: two give as many conditions as its axis has motions across.
 FEWEST, MOST = 2, 64
 # Between two points a body bulges by s^2/(8 rho); as a share of the section's radius.
-BULGE = 2e-3
-# Stiffness per length in units of E I/h^4, h the length of an element: that of the element itself is 12 to
-# 720. It decides how many augmentations are needed, not what is found.
-STIFFNESS = 1e7
+BULGE = 1e-2
+# Stiffness per length in units of E I/L^4: a rod on it gives way over (4/1e6)^(1/4) = 0.045 L. Stiffer ones
+# make Newton leap (1e7: three times the iterations in a gripper), softer ones augment longer; what is found
+# does not depend on it.
+STIFFNESS = 1e6
 
 
 @dataclass(frozen=True, eq=False)
 class ContactPoints:
     """Points of one rod; those that a support holds carry no force.
 
-    element (m,) indices, N (m, points, nodal) weights of the nodal vectors, at (m, points) fractions of the
-    length, radius (m, points) [m], k (m, points) [N/m].
+    Of all elements: N (m, points, nodal) weights of the nodal vectors, at (m, points) fractions of length,
+    radius (m, points) [m], k (m, points) [N/m].
     """
 
     N: Floats

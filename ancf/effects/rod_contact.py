@@ -32,9 +32,9 @@ Indices = NDArray[np.intp]
 
 SAMPLES = 8  # of an element, from which the search for the closest point begins
 BEYOND = 0.25  # of half an element, by which a closest point may leave its element in a run
-ITERATIONS = 30  # of Newton on the arc
+ITERATIONS, STILL = 30, 1e-14  # of Newton on the arc; of half an element
 # Of both radii together: a pair is looked at from this distance on.
-NEAR = 4.0
+NEAR = 1.0
 # Of the radius, along the arc: a rod cannot be bent more than to its own radius, where it meets itself
 # after half a turn on either side.
 NEIGHBOURS = 2.0 * np.pi
@@ -94,8 +94,19 @@ class RodContact(Effect):
         self._set(reference.taken(np.zeros(len(reference.point), dtype=bool)))
 
     def _set(self, pairs: Pairs) -> None:
+        """Take pairs; those between the same two elements share a block."""
+        key = self._of[pairs.point] * len(self.b.dofs) + pairs.element
+        blocks, self._block = np.unique(key, return_inverse=True)
         self.pairs = pairs
-        self.dofs = np.concatenate([self.a.dofs[self._of[pairs.point]], self.b.dofs[pairs.element]], axis=1)
+        self.dofs = np.concatenate(
+            [self.a.dofs[blocks // len(self.b.dofs)], self.b.dofs[blocks % len(self.b.dofs)]], axis=1
+        )
+
+    def _summed(self, values: Floats) -> Floats:
+        """Values of the pairs summed by block."""
+        total = np.zeros((len(self.dofs), *values.shape[1:]))
+        np.add.at(total, self._block, values)
+        return total
 
     def _search(self, e_a: Floats, e_b: Floats) -> Pairs:
         """The nearest element of B for every point of A, from samples."""
@@ -136,7 +147,7 @@ class RodContact(Effect):
             size = np.sum(t * t, axis=1)
             curvature = np.maximum(size - np.sum(D * t_x, axis=1), 0.1 * size)
             new = np.clip(xi + 2.0 / h * slope / curvature, pairs.low, pairs.high)
-            still = bool(np.all(np.abs(new - xi) <= 1e-15))
+            still = bool(np.all(np.abs(new - xi) <= STILL))
             xi = new
             if still:
                 break
@@ -157,11 +168,12 @@ class RodContact(Effect):
         return self._gap(pairs, found.length)
 
     def _split(self, e: Floats) -> tuple[Floats, Floats]:
-        nodal = self._N.shape[1]
+        """Nodal vectors of the two elements of each pair, from those of the blocks."""
+        nodal, e = self._N.shape[1], e[self._block]
         return e[:, :nodal], e[:, nodal:]
 
     def _at(self, e: Floats) -> tuple[Closest, Floats, Floats]:
-        """Closest points of the blocks, their J^T n (pairs, nodal of both, 3), and all gaps."""
+        """Closest points of the pairs, weights of J (pairs, nodal of both), and all gaps."""
         found = self._closest(self.pairs, *self._split(e))
         weights = np.concatenate([self._N[self.pairs.point], -found.shapes[0]], axis=1)
         return found, weights, self._gap(self.pairs, found.length)
@@ -170,7 +182,7 @@ class RodContact(Effect):
         """See `Effect.force`."""
         found, weights, g = self._at(e)
         size = (self.law.k * self.law.depth(g)).ravel()[self.pairs.point]
-        return np.einsum("p,pn,pc->pnc", size, weights, found.n)
+        return self._summed(np.einsum("p,pn,pc->pnc", size, weights, found.n))
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; symmetric."""
@@ -193,7 +205,7 @@ class RodContact(Effect):
         l_se = l_se.reshape(len(weights), nd)
         share = np.where(found.free & (l_ss > 0.0), size / np.where(l_ss > 0.0, l_ss, 1.0), 0.0)
         K -= share[:, None, None] * l_se[:, :, None] * l_se[:, None, :]
-        return np.einsum("p,pn,pc->pnc", size, weights, n), K
+        return self._summed(np.einsum("p,pn,pc->pnc", size, weights, n)), self._summed(K)
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`."""
@@ -253,7 +265,7 @@ def _middles(rod: RodModel) -> Floats:
 def _shape(rod: RodModel, xi: Floats, h: Floats, order: int) -> Floats:
     """Weights of the axis (pairs, nodal) at places xi of elements of lengths h, derivative by x."""
     found = np.empty((len(xi), rod.element.vectors_per_element))
-    for size in np.unique(h):
-        here = h == size
-        found[here] = rod.element.shape(xi[here], float(size), order)[:, 0]
+    for size in np.unique(np.round(h / rod.rod.length, 12)):  # lengths that differ by rounding are equal
+        here = np.abs(h / rod.rod.length - size) <= 1e-11
+        found[here] = rod.element.shape(xi[here], float(h[here][0]), order)[:, 0]
     return found
