@@ -18,8 +18,9 @@ Floats = NDArray[np.float64]
 
 # Pieces of an element: two give as many conditions as its axis has motions across.
 FEWEST, MOST = 2, 64
-# Between two points a body bulges by s^2/(8 rho); as a share of the section's radius.
-BULGE = 1e-2
+# Between two points a body bulges by s^2/(8 rho); as a share of the section's radius. Where a body touches
+# between two points the normal is off by s/(2 rho): 0.06 rad at rho = R, and less the larger the body.
+BULGE = 2e-3
 # Stiffness per length in units of E I/L^4: a rod on it gives way over (4/1e6)^(1/4) = 0.045 L. Stiffer ones
 # make Newton leap (1e7: three times the iterations in a gripper), softer ones augment longer; what is found
 # does not depend on it.

@@ -248,13 +248,15 @@ class RodContact(Effect):
         return float(np.min(free / np.maximum(np.linalg.norm(way, axis=1), 1e-300), initial=np.inf))
 
     def report(self, e: Floats) -> dict[str, Any]:
-        """The contact's entry in the result: the force is that on `rod`."""
+        """The contact's entry in the result; the force is that on `rod`."""
         found, _, g = self._at(e)
         n = np.zeros((g.size, 3))
         n[self.pairs.point] = found.n
         entry = contact_report(self, g, n.reshape(*g.shape, 3))
         if not np.isfinite(entry["gap"]):
             entry["gap"] = None  # farther than pairs are looked at
+        if self.a is self.b:
+            entry["force"] = [0.0, 0.0, 0.0]  # what a rod does to itself
         return {"rod": self.a.rod.name, "with": self.b.rod.name} | entry
 
 
