@@ -266,7 +266,7 @@ class Contact:
 
     rod: str
     obstacle: Obstacle | None = None
-    other: str = ""
+    other: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

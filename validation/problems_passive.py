@@ -29,7 +29,7 @@ def passive(case: Case) -> Outcome:
     rows = [Row(name, found, exact, unit) for name, found, exact, unit in pairs]
     observed = {name: abs(found / exact - 1.0) for name, found, exact, _ in pairs}
     if case.parameters["kind"] == "wrapped":
-        observed = {"tip position": float(np.hypot(*(found - exact for _, found, exact, _ in pairs)))}
+        observed = {"tip position": float(np.linalg.norm([found - exact for _, found, exact, _ in pairs]))}
     radius = solution.scene.rods[0].section.outer_radius
     for contact in solution.as_dict().get("contacts", []):
         observed["penetration"] = contact["penetration"] / radius

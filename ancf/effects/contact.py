@@ -39,7 +39,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     for index, contact in enumerate(scene.contacts):
         if contact.obstacle is not None:
             found.append(ObstacleContact(models[contact.rod], contact.obstacle, index))
-        else:
+        elif contact.other is not None:
             from ancf.effects.rod_contact import RodContact
 
             found.append(RodContact(models[contact.rod], models[contact.other], index))

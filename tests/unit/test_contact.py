@@ -1,5 +1,7 @@
 """Contact with rigid obstacles: closed forms, the wrapped elastica, exact derivatives, balance, refusals."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -303,3 +305,19 @@ def test_only_round_sections_touch():
             {"section": {"shape": "rectangle", "height_y": 0.01, "width_z": 0.01}},
             contact=[{"with": plane(0.1)}],
         )
+
+
+def test_a_gripper_does_not_chatter():
+    """Three fingers close round a cylinder in few steps, each holding on to it; mirrored ones do alike."""
+    path = Path(__file__).parents[2] / "examples" / "gripper.toml"
+    solution = ancf.solve(ancf.load_scene(path))
+    assert solution.status == "converged" and solution.stable
+    # 10 steps and 2 cut-backs here; with chattering contacts it was 67 and 33 (non-regression).
+    assert solution.steps <= 20 and solution.cutbacks <= 5
+    contacts = solution.as_dict()["contacts"]
+    assert [c["points"] > 0 for c in contacts] == [True] * 3
+    assert max(c["penetration"] for c in contacts) <= 1e-4 * 0.006  # the issue
+    np.testing.assert_allclose(contacts[1]["force"], contacts[2]["force"], rtol=1e-6, atol=1e-9)
+    for contact in contacts:  # the clamp takes what the cylinder pushes: tendons balance in their finger
+        force, _ = solution.reaction(contact["rod"])
+        np.testing.assert_allclose(force, -np.array(contact["force"]), atol=1e-8)

@@ -178,17 +178,11 @@ def test_batches_solve_row_by_row():
     assert batch.poses[1, 2, 0] == pytest.approx(P * L**3 / (3 * EI), rel=1e-3)  # lifted, nothing touches
 
 
-BAD = {
-    "through": ({"gap": -0.5 * RADIUS}, "from the beginning"),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_rods_in_each_other_are_refused(name):
-    keys, hint = BAD[name]
+def test_rods_in_each_other_are_refused():
     with pytest.raises(ancf.SceneError) as refused:
-        Model(crossed([0, 0, 0.0], **keys))
-    assert hint in str(refused.value) and "'lower'" in str(refused.value)
+        Model(crossed([0, 0, 0.0], gap=-0.5 * RADIUS))
+    for part in ("from the beginning", "'lower'", "contact[0]", "gap -0.002"):
+        assert part in str(refused.value)
 
 
 def test_the_other_rod_must_be_known():
