@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad
 
 from reference.root import bracketed_root
 
@@ -45,26 +45,35 @@ def propped_force(length: float, bending: float, load: float, at: float, clearan
 def wrapped_tip(length: float, bending: float, force: float, rho: float) -> tuple[Array, float]:
     """End (2,) [m] of the wrapped rod along the tangent and along the force, and the angle phi [rad].
 
-    Inextensible and without shear; integrated to 1e-10.
+    Inextensible and without shear. With the first integral E I theta'^2/2 + P sin(theta) = P sin(theta_L) and
+    theta = theta_L - u^2 length and place are integrals of smooth functions, to 1e-10.
     """
-    if force * length <= bending / rho:  # it bends less than the cylinder: it does not wrap
+    lift = bending / (2.0 * force * rho**2)  # sin(theta_L) - sin(phi)
+    if lift >= 1.0 or _free_part(0.0, lift, bending, force)[0] > length:
         raise ValueError("the rod does not lie on the cylinder")
+    # At the upper end the free part would be infinitely long: a rope.
+    steepest = float(np.arcsin(1.0 - lift)) * (1.0 - 1e-15)
+    phi = bracketed_root(
+        lambda angle: rho * angle + _free_part(angle, lift, bending, force)[0] - length, 0.0, steepest
+    )
+    _, x, y = _free_part(phi, lift, bending, force)
+    return np.array([rho * np.sin(phi) + x, rho * (1.0 - np.cos(phi)) + y]), phi
 
-    def free_part(phi: float) -> Array:
-        found = solve_ivp(
-            lambda s, y: [y[1], -force / bending * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])],
-            (rho * phi, length),
-            [phi, 1.0 / rho, rho * np.sin(phi), rho * (1.0 - np.cos(phi))],
-            rtol=1e-11,
-            atol=1e-12,
-        )
-        return np.asarray(found.y[:, -1], dtype=float)
 
-    # Short wraps leave so much rod that it could wave: the longest wrap is the one without waves.
-    angles = np.linspace(min(0.5 * np.pi, 0.999 * length / rho), 0.0, 200)
-    last = next(i for i, angle in enumerate(angles) if free_part(angle)[1] < 0.0)
-    phi = bracketed_root(lambda angle: float(free_part(angle)[1]), angles[last], angles[last - 1])
-    return free_part(phi)[2:], float(phi)
+def _free_part(phi: float, lift: float, bending: float, force: float) -> Array:
+    """Length [m] of the elastica from the angle phi to its end without moment, and its extent (2,) [m]."""
+    end = float(np.arcsin(min(np.sin(phi) + lift, 1.0)))
+
+    def per_u(u: float, what: int) -> float:
+        theta = end - u * u
+        # sin(end) - sin(theta) = 2 cos((end + theta)/2) sin(u^2/2), without cancellation.
+        drop = 4.0 * force / bending * np.cos(end - 0.5 * u * u) * np.sin(0.5 * u * u)
+        ds = 2.0 * u / np.sqrt(drop) if u > 0.0 else 2.0 / np.sqrt(2.0 * force / bending * np.cos(end))
+        return float(ds * (1.0, np.cos(theta), np.sin(theta))[what])
+
+    top = float(np.sqrt(end - phi))
+    parts = [quad(per_u, 0.0, top, args=(what,), epsabs=1e-12, epsrel=1e-11, limit=400) for what in range(3)]
+    return np.array([part[0] for part in parts])
 
 
 def crossing_force(load: float, length: float, bending: float, other_length: float, other: float) -> float:

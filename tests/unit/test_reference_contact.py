@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
+from scipy.integrate import solve_bvp, solve_ivp
 
 from reference.contact import crossing_force, level_end_span, lifted_span, propped_force, wrapped_tip
 from reference.foundation import end_of_long_beam, middle_of_long_beam, propped_cantilever_tip
@@ -69,8 +69,23 @@ def test_spans_over_a_plane(span, level):
 def test_a_rod_wrapped_ever_tighter_becomes_a_rope():
     """Under a large force it lies on a quarter of the cylinder and hangs straight down from there."""
     EI, rho, L = 1.0, 0.2, 1.0
-    end, phi = wrapped_tip(L, EI, 5e3, rho)
-    assert phi == pytest.approx(0.5 * np.pi, abs=0.15)
-    np.testing.assert_allclose(end, [rho, rho + L - 0.5 * np.pi * rho], atol=0.02)
+    end, phi = wrapped_tip(L, EI, 400.0, rho)
+    # P sin(theta) + E I theta'^2/2 is constant, and the rod ends all but straight down.
+    assert np.sin(phi) == pytest.approx(1.0 - EI / (2 * 400.0 * rho**2), rel=1e-9)
+    np.testing.assert_allclose(end, [rho, rho + L - 0.5 * np.pi * rho], atol=0.007)
+
+
+def test_the_wrapped_rod_is_an_elastica():
+    """The pendulum equation from the cylinder on, integrated: it ends without moment at the same place."""
+    EI, rho, L, P = 1.0, 0.2, 1.0, 50.0
+    end, phi = wrapped_tip(L, EI, P, rho)
+    found = solve_ivp(
+        lambda s, y: [y[1], -P / EI * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])],
+        (rho * phi, L),
+        [phi, 1.0 / rho, rho * np.sin(phi), rho * (1.0 - np.cos(phi))],
+        rtol=1e-11,
+        atol=1e-12,
+    ).y[:, -1]
+    np.testing.assert_allclose(found[1:], [0.0, *end], atol=1e-6)
     with pytest.raises(ValueError, match="does not lie"):
         wrapped_tip(L, EI, 4.0, rho)
