@@ -167,6 +167,11 @@ class RodContact(Effect):
         found = self._closest(pairs, e_a[self._of[pairs.point]], e_b[pairs.element])
         return self._gap(pairs, found.length)
 
+    def gaps(self, q: Floats) -> Floats:
+        """g (m, points) [m] of all points with what is nearest to them at q (n,)."""
+        e_a, e_b = self.a.element_vectors(q), self.b.element_vectors(q)
+        return self._all_gaps(self._search(e_a, e_b), e_a, e_b)
+
     def _split(self, e: Floats) -> tuple[Floats, Floats]:
         """Nodal vectors of the two elements of each pair, from those of the blocks."""
         nodal, e = self._N.shape[1], e[self._block]
@@ -222,7 +227,7 @@ class RodContact(Effect):
     def augment(self, q: Floats) -> bool:
         """See `Effect.augment`: multipliers, and pairs that are no longer the nearest."""
         e_a, e_b = self.a.element_vectors(q), self.b.element_vectors(q)
-        now = self._all_gaps(self._search(e_a, e_b), e_a, e_b)
+        now = self.gaps(q)
         used = self._all_gaps(self.pairs, e_a, e_b)
         nearer = (now < self.law.d) & (now < used - CLOSED * self.law.radius)
         if np.any(nearer):

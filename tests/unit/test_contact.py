@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import ancf
@@ -165,6 +165,8 @@ def test_force_and_tangent_are_derivatives(name, element):
 
 @settings(deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(0.0, 1.0))
+@example(0.3, 0.0)  # the corners
+@example(-0.3, 0.0)
 def test_the_law_has_two_continuous_derivatives(x, a):
     """psi' = rho, rho' = slope by central differences, also across both corners; rho never pulls."""
     law = PenaltyLaw(np.ones(1), np.ones(1))

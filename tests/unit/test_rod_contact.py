@@ -149,6 +149,24 @@ def test_force_and_tangent_are_derivatives(kind):
     assert -np.sum(Q * way) == pytest.approx(slope, rel=1e-6)
 
 
+def test_gaps_are_distances_of_the_axes():
+    """Against a fine sampling of the other axis, at a random state."""
+    scene = crossed([0, 0, 0.0], elements=4, angle=70.0, gap=0.01)
+    model = Model(scene)
+    effect = pairs_of(model)
+    q = model.q0 + 0.02 * np.random.default_rng(7).uniform(-1, 1, model.n) * model.unit
+    xi = np.linspace(-1.0, 1.0, 2001)
+    upper, lower = model.rods
+    axis = lower.element.shape(xi, float(lower.mesh.h[0]))[:, 0] @ lower.element_vectors(q)
+    axis = axis.reshape(-1, 3) + lower.rod.base.position
+    points = (effect.points.N @ upper.element_vectors(q)).reshape(-1, 3) + upper.rod.base.position
+    exact = np.array([np.linalg.norm(axis - r, axis=1).min() for r in points]) - 2 * RADIUS
+    near = exact < 0.05
+    assert near.sum() > 10
+    # Samples of the other axis are 0.1 mm apart: the distance is too large by s^2/(8 distance) at most.
+    np.testing.assert_allclose(effect.gaps(q).ravel()[near], exact[near], atol=2e-6)
+
+
 def test_blocks_change_between_runs():
     """Pairs are those near at the state that is looked at; the system takes them as they are."""
     model = Model(crossed([0, 0, 0.0], gap=100 * RADIUS))
