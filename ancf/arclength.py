@@ -58,14 +58,20 @@ def path_from_reference(model: Model, deadline: float = np.inf) -> Follower:
 
     Raises `ArithmeticError` where it has no direction: a mechanism, or loads that overflow.
     """
-    forces, flat = model.residual_and_tangent(model.q0, 0.0)
+    q = model.q0
+    if any(effect.passive for effect in model.effects):  # a stretched spring pulls from the beginning
+        unloaded = newton(model, q, 0.0, STEP_ITERATIONS, deadline)
+        if not unloaded.converged:
+            raise ArithmeticError("no equilibrium without load")
+        q = unloaded.q
+    forces, flat = model.residual_and_tangent(q, 0.0)
     rate = model.system.solve(model.system.factorise(flat), forces.Q_ext)
     size = np.sqrt(Metric(model, 0.0).inner(rate, rate))
     if not np.isfinite(size):
         raise OverflowError("the loads overflow")
     metric = Metric(model, max(float(size), LEAST_LOAD_WEIGHT))
     path = Follower(metric, Spectrum(model), deadline)
-    path.begin(PathPoint(0.0, 0.0, model.q0, 0, metric.unit(rate, 1.0)))
+    path.begin(PathPoint(0.0, 0.0, q, 0, metric.unit(rate, 1.0)))
     return path
 
 

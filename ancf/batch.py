@@ -178,9 +178,10 @@ def _engine(model: Model, wanted: str, rows: int) -> str:
         )
     stability, options = model.scene.stability, model.scene.solver
     follows = options.method == "arclength" or (stability is not None and stability.branch == "buckled")
-    if follows or model.joints is not None or options.tangent != "analytic":
+    if follows or model.joints is not None or model.contacts or options.tangent != "analytic":
         refused = (
-            "The scene follows a path, has joints or the finite-difference tangent: rows are solved alone."
+            "The scene follows a path, has joints, contact or the finite-difference tangent: rows are solved"
+            " alone."
         )
         form = "solve"
     else:

@@ -93,8 +93,9 @@ def forces(model: Model, rod: RodModel, q: Floats, load_factor: float) -> Floats
     middle = rod.elastic.force(rod.element_vectors(q))[:, columns[-1]]
     carried = np.zeros_like(middle)
     for effect in model.effects:
-        if effect.dofs is rod.dofs:  # on every element of this rod: weight and line loads
-            carried += load_factor * effect.force(rod.element_vectors(q))[:, columns].sum(axis=1)
+        if effect.dofs is rod.dofs:  # on every element of this rod: weight, line loads, bed
+            share = 1.0 if effect.passive else load_factor
+            carried += share * effect.force(rod.element_vectors(q))[:, columns].sum(axis=1)
     xi, _ = gauss(rod.axial_points)
     return middle[:, None] - 0.5 * xi[:, None] * carried[:, None]
 

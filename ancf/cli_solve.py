@@ -290,6 +290,9 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "gravity": (scene.gravity,) if scene.gravity else (),
         "tendon": scene.tendons,
         "pressure": scene.pressures,
+        "spring": scene.springs,
+        "foundation": scene.foundations,
+        "contact": scene.contacts,
         "joint": scene.joints,
     }
     return {name: records for name, records in found.items() if records}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effects import Effect
+from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
@@ -34,6 +34,9 @@ EFFECT_MODULES = {
     "magnets": "magnet",
     "tendons": "tendon",
     "pressures": "pressure",
+    "springs": "spring",
+    "foundations": "foundation",
+    "contacts": "contact",
 }
 
 
@@ -44,11 +47,6 @@ def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
         if getattr(scene, attribute):
             found += importlib.import_module(f"ancf.effects.{name}").build(scene, rods)
     return found
-
-
-def blocks_of(q: Floats, dofs: Indices) -> Floats:
-    """Nodal vectors (m, nd / 3, 3) of the blocks dofs (m, nd)."""
-    return q[dofs].reshape(len(dofs), -1, 3)
 
 
 def add_blocks(total: Floats, dofs: Indices, Q: Floats) -> None:

@@ -79,10 +79,11 @@ def held_places(scene: Scene, rod: Rod) -> list[float]:
 
 
 def loaded_places(scene: Scene, rod: Rod) -> list[float]:
-    """Fractions of the length at which moments and forces act on a rod."""
+    """Fractions of the length at which moments, forces and springs act on a rod."""
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    return [load.at for load in acting]
+    springs = [spring for spring in scene.springs if spring.rod == rod.name and np.any(spring.stiffness)]
+    return [load.at for load in (*acting, *springs)]
 
 
 def rod_breaks(scene: Scene, rod: Rod) -> Floats:

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effect_assembly import EffectAssembly, add_blocks, blocks_of, load_effects
+from ancf.effect_assembly import EffectAssembly, add_blocks, load_effects
+from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
@@ -128,6 +129,30 @@ class Model:
         """Whether no joint has met its conditions the wrong way round, half a turn off."""
         return self.joints is None or self.joints.closed(q, load_factor)
 
+    @cached_property
+    def contacts(self) -> list[Effect]:
+        """Effects that augmentation moves (settling.py)."""
+        return [effect for effect in self.effects if effect.name == "contact"]
+
+    def search(self, q: Floats) -> None:
+        """Look at q (n,) for the pairs of the Newton run that begins there."""
+        for effect in self.contacts:
+            effect.search(q)
+
+    def augment(self, q: Floats) -> bool:
+        """Move what contact holds fixed in a Newton run; whether there was anything to move."""
+        moved = [effect.augment(q) for effect in self.contacts]
+        return any(moved)
+
+    def release(self) -> None:
+        """Forget what augmentation has found."""
+        for effect in self.contacts:
+            effect.release()
+
+    def room(self, q: Floats, q_new: Floats) -> float:
+        """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
+        return min((effect.room(q, q_new) for effect in self.contacts), default=np.inf)
+
     @property
     def unknowns(self) -> int:
         """Number of unknowns that the supports leave."""
@@ -222,6 +247,8 @@ class Model:
         model.scene = scene
         model.effects = load_effects(scene, self.rods)
         model._effect_sums = self._effect_sums.of(model.effects)
+        for made in ("contacts", "system") if self.contacts else ():  # their state belongs to one model
+            vars(model).pop(made, None)
         return model
 
     def potential(self, q: Floats, load_factor: float = 1.0) -> float | None:

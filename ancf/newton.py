@@ -34,6 +34,8 @@ FALLING = 0.7
 FLOOR_FACTOR = 1.0
 # A step that would turn a section inside out is halved, at most to this share.
 SMALLEST_SHARE = 1.0 / 64.0
+# Contact is known near where it is looked at: a longer step (in rod lengths) is taken in part.
+LONGEST = 0.1
 # Near a critical point rounding of the residual moves a soft shape by more than the tolerance: a step so
 # small that no longer falls is noise, and the residual alone decides.
 NOISE_STEP, NOISE_RATIO = 1e-7, 0.1
@@ -111,6 +113,7 @@ class NewtonRun:
         self.result = NewtonResult(Outcome.TOO_MANY, self.q, load_factor, np.inf)
         self.done = False
         self._quiet = 0
+        model.search(self.q)
         if model.inside_out(self.q):
             self.end(Outcome.INVERTED)
 
@@ -147,7 +150,7 @@ class NewtonRun:
         lost = iteration >= PATIENCE and step > max(1.0, FALLING * result.history[-2].step)
         if step > DIVERGED_STEP or lost:
             return Outcome.DIVERGED
-        share = 1.0
+        share = min(1.0, LONGEST / step) if model.contacts and step > 0.0 else 1.0
         while share >= SMALLEST_SHARE and model.inside_out(self.q + share * dq):
             share *= 0.5
         if share < SMALLEST_SHARE:

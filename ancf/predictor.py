@@ -44,7 +44,7 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
     Known for rods held by one clamp (or free-section clamp): from their point moments alone in closed form,
     else from the equilibrium of a Kirchhoff rod (rod_start.py). Other rods keep their reference shape.
     """
-    if model.joints:  # what the joints carry is not known
+    if model.joints or model.scene.held_on_the_way:  # what joints, springs and obstacles carry is not known
         return None
     q = model.q0.copy()
     found = False

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from ancf.elements import ELEMENTS
 from ancf.hyperelastic import Law
 from ancf.sections import Section
 from ancf.segments import Segment, starts
+
+if TYPE_CHECKING:
+    from ancf.obstacles import Obstacle
 
 SAME_PLACE = 1e-9  # fractions of the length closer than this are one place
 
@@ -227,6 +230,46 @@ class Pressure:
 
 
 @dataclass(frozen=True, eq=False)
+class Spring:
+    """A spring on the point (y, z) of a section, with the stiffness matrix (3, 3) [N/m] in SCS.
+
+    Without an anchor it resists displacements from the reference; with one [m, SCS] it acts along the line to
+    it, with the stiffness that its matrix has on the diagonal. `free_length` [m] is that without force, None
+    the distance in the reference.
+    """
+
+    rod: str
+    at: float
+    stiffness: NDArray[np.float64]
+    offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
+    anchor: NDArray[np.float64] | None = None
+    free_length: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Foundation:
+    """An elastic bed under a part of a rod: stiffnesses (3,) [N/m2] per reference length along `axes`.
+
+    `axes` (3, 3) are columns in SCS, None those of each reference section (x along the rod).
+    """
+
+    rod: str
+    stiffness: NDArray[np.float64]
+    axes: NDArray[np.float64] | None = field(default_factory=lambda: np.eye(3))
+    start: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contact of a rod with a rigid obstacle or with the rod `other`, which may be itself; no friction."""
+
+    rod: str
+    obstacle: Obstacle | None = None
+    other: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Gravity:
     """Weight of every rod under one acceleration [m/s2]."""
 
@@ -305,6 +348,9 @@ class Scene:
     gravity: Gravity | None = None
     tendons: tuple[Tendon, ...] = ()
     pressures: tuple[Pressure, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    foundations: tuple[Foundation, ...] = ()
+    contacts: tuple[Contact, ...] = ()
     joints: tuple[Joint, ...] = ()
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
@@ -313,6 +359,11 @@ class Scene:
     def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""
         return self.rod(load.rod).base.rotation if load.frame == "body" else np.eye(3)
+
+    @property
+    def held_on_the_way(self) -> bool:
+        """Whether springs or foundations resist the loads besides the rods."""
+        return any(np.any(held.stiffness) for held in (*self.springs, *self.foundations))
 
     def rod(self, name: str) -> Rod:
         """Return the rod of that name; raises KeyError for an unknown one."""

@@ -18,6 +18,7 @@ import numpy as np
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
+from ancf.scene_contacts import check_options, read_contacts
 from ancf.scene_joints import joined_rods, read_joints
 from ancf.scene_loads import (
     read_force,
@@ -31,6 +32,7 @@ from ancf.scene_loads import (
 )
 from ancf.scene_pressures import read_pressure
 from ancf.scene_rods import default_name, read_rod
+from ancf.scene_springs import read_foundation, read_spring
 from ancf.scene_table import Table
 from ancf.scene_tendons import read_tendon
 
@@ -45,11 +47,13 @@ SCENE_KEYS = (
     "magnet",
     "tendon",
     "pressure",
+    "spring",
+    "foundation",
+    "contact",
     "joint",
     "solver",
     "stability",
 )
-LATER_KEYS = ("contact",)
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 
@@ -113,7 +117,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         As `load_scene`.
     """
     table = Table(data, where)
-    table.expect_keys(SCENE_KEYS, LATER_KEYS)
+    table.expect_keys(SCENE_KEYS)
     entries = table.tables("rod")
     if not entries:
         table.refuse(
@@ -138,6 +142,9 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
         pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
+        springs=tuple(read_spring(entry, rods) for entry in table.tables("spring")),
+        foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
+        contacts=read_contacts(table, rods),
         joints=read_joints(table.tables("joint"), entries, rods),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
@@ -146,6 +153,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
     for entry, rod in zip(entries, rods if meshed else (), strict=meshed):
         _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
+    check_options(table, scene)
     if scene.joints and scene.solver.tangent == "finite-difference":
         table.refuse(
             "solver.tangent",

@@ -23,6 +23,7 @@ from ancf.band import Factors, SingularMatrixError
 from ancf.effect_assembly import load_effects
 from ancf.errors import InputError, Message
 from ancf.model import Model
+from ancf.passive_reports import passive_reports
 from ancf.rod_model import RodModel
 from ancf.scene import Rod, Scene
 
@@ -73,6 +74,7 @@ def sensitivity(
     if name not in [r.rod.name for r in model.rods]:
         _refuse("The scene has no such rod.", f"rod = {name!r}", f"rods: {[r.rod.name for r in model.rods]}")
     observed = next(r for r in model.rods if r.rod.name == name)
+    _refuse_contact(model, q)
     lu = _factors(model, q, load_factor)
     if parameter in LOADS or parameter == "gravity":
         dq = model.system.solve(lu, load_factor * load_forces(model, q, parameter, index))
@@ -125,6 +127,18 @@ def _owner(scene: Scene, parameter: str, index: int) -> str:
         if -len(loads) <= index < len(loads):
             return loads[index].rod
     return scene.rods[0].name
+
+
+def _refuse_contact(model: Model, q: Floats) -> None:
+    """Refuse where a rod touches: at fixed multipliers the gap would give way, which it does not."""
+    for entry in passive_reports(model, q).get("contacts", []):
+        if entry["points"]:
+            _refuse(
+                "A rod in contact has no derivative in this version.", "sensitivity",
+                f'rod {entry["rod"]!r} touches at {entry["points"]} points',
+                "the tangent holds the forces of contact by a penalty, not by the gap itself",
+                "take differences of two solutions",
+            )  # fmt: skip
 
 
 def _factors(model: Model, q: Floats, load_factor: float) -> Factors:

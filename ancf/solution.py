@@ -341,6 +341,10 @@ class Solution:
                 {"rod": tendon.rod, "tension": tendon.tension * self.load_factor, "length": length}
                 for tendon, length in zip(self.scene.tendons, self.tendon_lengths(), strict=True)
             ]
+        if self.scene.springs or self.scene.foundations or self.scene.contacts:
+            from ancf.passive_reports import passive_reports
+
+            result |= passive_reports(self.model, self.q)
         if self.scene.joints:
             result["joints"] = [carried.as_dict() for carried in self.joints]
         if self.stability is not None:

@@ -19,6 +19,7 @@ from ancf.model import Model
 from ancf.newton import Iteration, NewtonResult, Outcome, newton
 from ancf.path import Path
 from ancf.predictor import load_start
+from ancf.settling import settled
 from ancf.solution import Status
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ STEP_ITERATIONS = 10  # in a load step: beyond it a shorter step is cheaper
 QUICK_ITERATIONS = 6  # a step that took no more may grow
 GROWTH = 2.0
 CUT = 0.25
+SHARE_OF_ROOM = 0.8  # of the way in which contact allows a step
 SMALLEST_STEP = 1e-6  # of the full load
 BRANCH_STEP = 0.01  # a step from a stable to an unstable equilibrium is taken only if it is shorter
 FIRST_TURN = 1.0  # rad or rod lengths by which the linear solution of the first load step may move sections
@@ -69,10 +71,11 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
     stability = model.scene.stability
     if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
         return _follow(model, trace, deadline)  # a path begins at the reference, whatever the start
+    model.release()
     if start is not None and _try_at_once(model, trace, start, deadline):
         return trace
-    # A prescribed motion is walked: at once it would lead anywhere.
-    if options.predictor == "auto" and model.longest_step >= 1.0:
+    # A prescribed motion is walked, and so is contact: at once they would lead anywhere, or through it.
+    if options.predictor == "auto" and model.longest_step >= 1.0 and not model.contacts:
         bent = load_start(model, deadline)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
@@ -87,7 +90,7 @@ def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
 
 def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> bool:
     """Newton at the full load; False when it fails, which is a cut-back."""
-    result = newton(model, start, 1.0, DIRECT_ITERATIONS, deadline)
+    result = _contact_settled(model, start, newton(model, start, 1.0, DIRECT_ITERATIONS, deadline), deadline)
     trace.history += result.history
     if _accept(model, trace, result, 1.0, is_stable(model, result)):
         trace.status = Status.CONVERGED
@@ -96,6 +99,16 @@ def _try_at_once(model: Model, trace: Trace, start: Floats, deadline: float) -> 
     if result.outcome is Outcome.OUT_OF_TIME:
         trace.status = Status.OUT_OF_TIME
     return False
+
+
+def _contact_settled(model: Model, before: Floats, result: NewtonResult, deadline: float) -> NewtonResult:
+    """The run once contact has settled; off the path where it has come through an obstacle from `before`."""
+    if result.converged and model.room(before, result.q) < 1.0:
+        result.outcome = Outcome.OFF_PATH
+    result = settled(model, result, deadline)
+    if not result.converged:
+        model.release()
+    return result
 
 
 def _accept(
@@ -170,16 +183,21 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         if trace.steps + trace.cutbacks >= options.max_steps:
             trace.budget_used, trace.tried = True, target
             return trace
-        result = newton(model, _start(model, path, trace, target), target, STEP_ITERATIONS, deadline)
+        most = DIRECT_ITERATIONS if model.contacts else STEP_ITERATIONS
+        result = newton(model, _start(model, path, trace, target), target, most, deadline)
+        room = model.room(trace.q, result.q) if result.converged else np.inf
+        if target == 1.0 or room < 1.0:
+            result = _contact_settled(model, trace.q, result, deadline)
         trace.history += result.history
         stable = is_stable(model, result)
+        taken = target - trace.load_factor
         jumped = stable is False and trace.stable is not False
         # A prescribed motion may buckle a rod at any small part of it.
         shortest = BRANCH_STEP * (1.0 if model.longest_step == np.inf else target)
-        if jumped and target - trace.load_factor > shortest:
+        if jumped and taken > shortest:
             # Stable before, unstable after: a stable branch may turn off in between. Look closer.
             trace.cutbacks += 1
-            step = (target - trace.load_factor) * CUT
+            step = taken * CUT
             continue
         if _accept(model, trace, result, target, stable):
             path.add(target, result.q)
@@ -187,10 +205,10 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             trace.rates.append(model.largest_motion(rate))
             if len(result.history) <= QUICK_ITERATIONS:
                 step *= GROWTH
-            step = min(step, model.longest_change(result.q, rate))
+            step = min(step, model.longest_change(result.q, rate), SHARE_OF_ROOM * room * taken)
             continue
         trace.cutbacks += 1
-        step = (target - trace.load_factor) * CUT
+        step = taken * (CUT if room >= 1.0 else min(SHARE_OF_ROOM * room, CUT))
         if step < SMALLEST_STEP or result.outcome is Outcome.OUT_OF_TIME:
             trace.status = status_of_failure(model, trace, result)
             return trace

@@ -15,6 +15,7 @@ from validation import (
     problems_identity,
     problems_moment,
     problems_newton,
+    problems_passive,
     problems_stress,
 )
 from validation.cases import Case
@@ -46,6 +47,7 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "model error": problems_accuracy.model_error,
     "actuated": problems_actuated.actuated,
     "closed tube": problems_actuated.closed_tube,
+    "passive": problems_passive.passive,
 }
 
 

@@ -97,7 +97,8 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
     """Families of the loads on a rod, "follower" in front; loads of zero are none.
 
     bending, torsion (moments across and along the base's axis), force, axial tension, axial compression (all
-    of it along the axis, positive at the end away from it), line load, tendon, pressure, gravity.
+    of it along the axis, positive at the end away from it), line load, tendon, pressure, spring, foundation,
+    contact, gravity.
     """
     found = set()
     axis = rod.base.rotation[:, 0]
@@ -120,6 +121,9 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
     }
     found |= {"tendon" for tendon in scene.tendons if tendon.rod == rod.name and tendon.tension}
     found |= {"pressure" for chamber in scene.pressures if chamber.rod == rod.name and chamber.value}
+    found |= {"spring" for spring in scene.springs if spring.rod == rod.name}
+    found |= {"contact" for contact in scene.contacts if rod.name in (contact.rod, contact.other)}
+    found |= {"foundation" for bed in scene.foundations if bed.rod == rod.name}
     return sorted(found | ({"gravity"} if scene.gravity is not None else set()))
 
 

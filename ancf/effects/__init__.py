@@ -6,11 +6,17 @@ An effect acts on dense blocks of unknowns and knows nothing of the other effect
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+def blocks_of(q: Floats, dofs: NDArray[np.intp]) -> Floats:
+    """Nodal vectors (m, nd / 3, 3) of the blocks dofs (m, nd)."""
+    return q[dofs].reshape(len(dofs), dofs.shape[1] // 3, 3)
 
 
 class Effect(ABC):
@@ -40,6 +46,26 @@ class Effect(ABC):
     @abstractmethod
     def potential(self, e: Floats) -> float | None:
         """Potential V [J], None for an effect without one."""
+
+    def search(self, q: Floats) -> None:
+        """Look at q (n,) for the blocks of the Newton run that begins there."""
+        return
+
+    def augment(self, q: Floats) -> bool:
+        """Move what a Newton run holds fixed (multipliers of contact); whether there was anything to move."""
+        return False
+
+    def release(self) -> None:
+        """Forget what `augment` has found."""
+        return
+
+    def room(self, q: Floats, q_new: Floats) -> float:
+        """Share of the way from q to q_new (n,) that one step may take; above 1 as much more."""
+        return np.inf
+
+    def report(self, e: Floats) -> dict[str, Any]:
+        """Entry of a passive effect in the result (passive_reports.py), plain Python."""
+        raise NotImplementedError
 
 
 class DeadLoad(Effect):

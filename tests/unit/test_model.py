@@ -243,11 +243,15 @@ def test_only_listed_effects_are_imported(field):
         "magnets": "magnets=(Magnet('rod', np.ones(3), np.ones(3)),)",
         "tendons": "tendons=(Tendon('rod', 1.0, np.array([[0, 0.05, 0], [1, 0.05, 0]])),)",
         "pressures": "pressures=(Pressure('rod', 1e3, np.zeros(2), 0.05),)",
+        "springs": "springs=(Spring('rod', 1.0, np.eye(3)),)",
+        "foundations": "foundations=(Foundation('rod', np.ones(3)),)",
+        "contacts": "contacts=(Contact('rod', Sphere(np.full(3, 9.0), 1.0)),)",
     }
     code = f"""
 import sys, numpy as np, ancf
 from ancf.scene import *
 from ancf.sections import Circle
+from ancf.obstacles import Sphere
 from ancf.materials import SaintVenantKirchhoff
 rod = Rod('rod', 1.0, 2, Circle(0.1), SaintVenantKirchhoff(1e9, 0.3, 1.0))
 solution = ancf.solve(Scene((rod,), {loads[field]}))

@@ -224,7 +224,6 @@ REFUSED = [
     (scene(title=3), "title", "wrong type", "a whole number"),
     (scene(moment={"value": [0, 0, 1]}), "moment", "list of tables", "single table"),
     (scene(gravity=[{"acceleration": [0, 0, 1]}]), "gravity", "only one [gravity]", "is a list"),
-    (scene(contact=[]), "contact", "not in this version", "this version knows"),
     ({"rod": [ROD, {**ROD, "name": "rod"}]}, "rod[1].name", 'Two rods are named "rod"', "rod[0]"),
     # rod
     *[(rod(**{key: None}), f"rod[0].{key}", f'"{key}" is missing', "only")

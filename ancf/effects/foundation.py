@@ -1,0 +1,88 @@
+r"""Elastic foundation: springs spread along a rod, each between a point of the axis and its reference place.
+
+    V = 1/2 int u^T k u dx,   u = N (e - e_0),   Q = -int N^T k u dx,   dQ/de = -int N^T k N dx,
+
+with the stiffness matrix k [N/m2] per reference length: the bed of Winkler (Hetenyi, Beams on Elastic
+Foundation, 1946, ch. 1), which does not know where the rod has gone to. Of a stiffness across the axis alone
+nothing holds the rod along it. The tangent is constant.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.effects import Effect
+from ancf.mesh import reference_axis
+from ancf.quadrature import gauss
+from ancf.rod_model import RodModel
+from ancf.scene import Foundation, Scene
+
+Floats = NDArray[np.float64]
+
+AXIAL_POINTS = 4  # exact for the square of a cubic axis
+
+
+def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
+    """Foundations of the scene."""
+    models = {model.rod.name: model for model in rods}
+    return [ElasticFoundation(models[bed.rod], bed) for bed in scene.foundations]
+
+
+class ElasticFoundation(Effect):
+    """A bed of springs; blocks are the elements on it."""
+
+    name = "foundation"
+    passive = True
+
+    def __init__(self, model: RodModel, bed: Foundation) -> None:
+        self.bed = bed
+        breaks, length = model.mesh.breaks, model.rod.length
+        ends = np.clip(breaks, bed.start * length, bed.end * length)
+        elements = np.flatnonzero(np.diff(ends) > 0.0)
+        xi, weight = gauss(AXIAL_POINTS)
+        half = 0.5 * np.diff(ends)[elements, None]
+        x = ends[elements, None] + half * (1.0 + xi)  # (m, points)
+        N = [
+            model.element.shape(2.0 * (places - breaks[i]) / h - 1.0, h)[:, 0]
+            for i, h, places in zip(elements, model.mesh.h[elements], x, strict=True)
+        ]
+        self.N = np.array(N)  # (m, points, nodal)
+        self.k = half[..., None, None] * weight[:, None, None] * _stiffness(model, bed, x)  # [N/m]
+        self.dofs = model.dofs if len(elements) == len(model.dofs) else model.dofs[elements]
+        self.e_0 = model.e0[elements]
+        size = 3 * self.N.shape[-1]
+        K = np.einsum("mpi,mpj,mpab->miajb", self.N, self.N, self.k, optimize=True)
+        self.K = -K.reshape(len(K), size, size)
+
+    def force(self, e: Floats) -> Floats:
+        """See `Effect.force`."""
+        u = self.N @ (e - self.e_0)
+        return -np.einsum("mpn,mpab,mpb->mna", self.N, self.k, u)
+
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`; symmetric."""
+        return self.force(e), self.K
+
+    def potential(self, e: Floats) -> float:
+        """See `Effect.potential`."""
+        u = self.N @ (e - self.e_0)
+        return 0.5 * float(np.einsum("mpa,mpab,mpb->", u, self.k, u))
+
+    def report(self, e: Floats) -> dict[str, Any]:
+        """The bed's entry in the result: its force [N] on the rod, and the largest displacement [m]."""
+        u = self.N @ (e - self.e_0)
+        force = -np.einsum("mpab,mpb->a", self.k, u)
+        largest = float(np.max(np.linalg.norm(u, axis=-1)))
+        return {"rod": self.bed.rod, "force": force.tolist(), "displacement": largest}
+
+
+def _stiffness(model: RodModel, bed: Foundation, x: Floats) -> Floats:
+    """Stiffness matrices (m, points, 3, 3) [N/m2] in SCS at arc lengths x (m, points)."""
+    axes = bed.axes
+    if axes is None:
+        _, frame = reference_axis(x.ravel(), model.rod.curvature)
+        axes = (model.rod.base.rotation @ frame).reshape(*x.shape, 3, 3)
+    return (axes * bed.stiffness) @ np.swapaxes(axes, -1, -2) + np.zeros((*x.shape, 1, 1))

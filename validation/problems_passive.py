@@ -1,0 +1,124 @@
+"""Rods on springs and elastic beds, and rods that touch, against reference/foundation.py and contact.py."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+import ancf
+from ancf.scene import Scene
+from ancf.solution import Solution
+from reference.contact import crossing_force, level_end_span, propped_force, wrapped_tip
+from reference.foundation import end_of_long_beam, propped_cantilever_tip
+from validation.cases import Case
+from validation.outcome import Outcome, Row
+from validation.scenes import NoEquilibrium
+
+# Name of a number, as found and as it should be, and its unit.
+Pairs = list[tuple[str, float, float, str]]
+
+
+def passive(case: Case) -> Outcome:
+    """Relative deviation of each number that the answer `kind` in the parameters knows, of `ANSWERS`."""
+    solution = ancf.solve(ancf.scene_from_dict(case.scene))
+    if solution.status is not ancf.Status.CONVERGED:
+        raise NoEquilibrium(solution.reason)
+    pairs = ANSWERS[case.parameters["kind"]](solution, case.parameters)
+    rows = [Row(name, found, exact, unit) for name, found, exact, unit in pairs]
+    observed = {name: abs(found / exact - 1.0) for name, found, exact, _ in pairs}
+    if case.parameters["kind"] == "wrapped":
+        observed = {"tip position": float(np.linalg.norm([found - exact for _, found, exact, _ in pairs]))}
+    radius = solution.scene.rods[0].section.outer_radius
+    for contact in solution.as_dict().get("contacts", []):
+        observed["penetration"] = contact["penetration"] / radius
+    return Outcome(observed, rows, solution, case.scene)
+
+
+def _bed(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """The loaded end of a rod along x, clamped far from it: deflection along y, turn about z."""
+    scene = solution.scene
+    (rod,), (bed,) = scene.rods, scene.foundations
+    force = -sum(float(load.value[1]) for load in scene.forces)  # seen from the end, the rod lies along -x
+    moment = sum(float(load.value[2]) for load in scene.moments)
+    shear = rod.material.lame_mu * rod.section.area
+    w, phi = end_of_long_beam([0.0], float(bed.stiffness[1]), _bending(scene), force, moment, shear)
+    tip = solution.tip()
+    deflection = -float(tip.position[1] - rod.base.position[1])
+    turn = float(tip.rotation[1, 0])
+    return [("deflection", deflection, float(w[0]), "m"), ("turn", turn, float(phi[0]), "rad")]
+
+
+def _spring(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A cantilever along x under a force along y on its end, with a spring between."""
+    scene = solution.scene
+    (rod,), (load,), (spring,) = scene.rods, scene.forces, scene.springs
+    exact = propped_cantilever_tip(
+        rod.length,
+        _bending(scene),
+        float(load.value[1]),
+        float(spring.stiffness[1, 1]),
+        spring.at * rod.length,
+    )
+    return [("deflection", float(solution.tip().position[1]), exact, "m")]
+
+
+def _bending(scene: Scene) -> float:
+    rod = scene.rods[0]
+    return rod.material.young_modulus * rod.section.weaker_second_moment
+
+
+def _flat(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A cantilever along x pressed onto a plane below by a line load along -z."""
+    scene = solution.scene
+    (rod,), (load,), (contact,) = scene.rods, scene.line_loads, solution.as_dict()["contacts"]
+    assert scene.contacts[0].obstacle is not None
+    w = -float(load.value[2])
+    height = float(scene.contacts[0].obstacle.distance(np.zeros(3))[0]) - rod.section.outer_radius
+    s = level_end_span(height, _bending(scene), w)
+    force, moment = solution.reaction()
+    return [
+        ("reaction force", float(force[2]), 2.0 * w * s / 3.0, "N"),
+        ("reaction moment", -float(moment[1]), w * s**2 / 6.0, "N m"),
+        ("contact force", contact["force"][2], w * (rod.length - 2.0 * s / 3.0), "N"),
+    ]
+
+
+def _prop(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A cantilever along x under a force along -z on its end, with a body below."""
+    scene = solution.scene
+    (rod,), (load,), (contact,) = scene.rods, scene.forces, solution.as_dict()["contacts"]
+    at, clearance = parameters["at"] * rod.length, parameters["clearance"]
+    exact = propped_force(rod.length, _bending(scene), -float(load.value[2]), at, clearance)
+    return [("contact force", contact["force"][2], exact, "N")]
+
+
+def _wrapped(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A rod along x on top of a cylinder across it, under a force along -z on its end."""
+    scene = solution.scene
+    (rod,), (load,), (contact,) = scene.rods, scene.forces, scene.contacts
+    assert contact.obstacle is not None
+    rho = contact.obstacle.radius + rod.section.outer_radius
+    end, _ = wrapped_tip(rod.length, _bending(scene), -float(load.value[2]), rho)
+    tip = solution.tip().position
+    return [("tip x", float(tip[0]), float(end[0]), "m"), ("tip z", -float(tip[2]), float(end[1]), "m")]
+
+
+def _crossing(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """Two cantilevers whose ends cross; the first carries a force along -z on its end."""
+    scene = solution.scene
+    (upper, lower), (load,), (contact,) = scene.rods, scene.forces, solution.as_dict()["contacts"]
+    EI = _bending(scene)
+    exact = crossing_force(-float(load.value[2]), upper.length, EI, lower.length, EI)
+    return [("contact force", contact["force"][2], exact, "N")]
+
+
+ANSWERS: dict[str, Callable[[Solution, Mapping[str, Any]], Pairs]] = {
+    "bed": _bed,
+    "spring": _spring,
+    "flat": _flat,
+    "prop": _prop,
+    "wrapped": _wrapped,
+    "crossing": _crossing,
+}
