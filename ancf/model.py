@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandPattern
+from ancf.band import BandCholesky, BandPattern, Factors
 from ancf.counters import Counters
 from ancf.effects import Effect
 from ancf.finite_difference import difference_tangent
@@ -272,6 +272,14 @@ class Model:
     def conservative(self) -> bool:
         """Whether every load has a potential, so that the tangent is symmetric and stability is a minimum."""
         return all(effect.potential(_blocks(self.q0, effect.dofs)) is not None for effect in self.effects)
+
+    def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
+        """Whether an equilibrium q (n,) is a minimum of the potential, by the tangent there and its factors."""
+        return isinstance(factors, BandCholesky) or self.system.is_positive_definite(flat)
+
+    def determinant_sign(self, q: Floats, load_factor: float, factors: Factors) -> int:
+        """Sign of the determinant of the tangent at an equilibrium q (n,), by its factors."""
+        return factors.determinant_sign
 
     def admissible(self, q: Floats) -> Floats:
         """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""

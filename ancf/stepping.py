@@ -122,10 +122,10 @@ def is_stable(model: Model, result: NewtonResult) -> bool | None:
         return None
     if model.conservative:
         try:
-            return model.system.is_positive_definite(result.flat)
+            return model.is_minimum(result.q, result.load_factor, result.lu, result.flat)
         except ArithmeticError:  # on a critical point itself
             return None
-    return False if result.lu.determinant_sign < 0 else None
+    return False if model.determinant_sign(result.q, result.load_factor, result.lu) < 0 else None
 
 
 def _follow(model: Model, trace: Trace, deadline: float) -> Trace:

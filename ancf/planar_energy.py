@@ -1,0 +1,233 @@
+r"""Elastic force and tangent of a rod that is its own mirror image in a plane, on its planar unknowns.
+
+As in energy.py, with the numbers w = N u that do not vanish in the place of whole vectors: v_i has two
+components in the plane where its director is even across it, one component across it where it is odd
+(mirror_unknowns.py). Of the products v_i . v_j those of an even and an odd vector vanish; the others are
+
+    gamma_p = 1/2 (w^T G_p w - w0^T G_p w0),    G_p constant, of zeros, ones and twos,
+    Q = N^T B^T T,    K = N^T (B^T H B + sum_p T_p G_p) N,    B_p = G_p w.
+
+The tangent in the directions out of the plane, of the other parity, has the same form with the products of
+one even and one odd vector in B and the components of `odd` in G: both blocks together are the full tangent.
+
+For the mixed-integration-point tangent the products after a linear step dw are gamma_p - 1/2 dw^T G_p dw.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import R
+from ancf.mirror_unknowns import MirrorUnknowns
+from ancf.section_energy import pairs
+from ancf.section_law import (
+    AlikeSections,
+    ProjectedTerm,
+    QuadraticSection,
+    QuadraticTerm,
+    QuadratureSection,
+    SectionLaw,
+    Term,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarEnergy:
+    """Elastic kernel of one rod on the unknowns in the plane; `odd` are those out of it."""
+
+    even: MirrorUnknowns
+    odd: MirrorUnknowns
+
+    @cached_property
+    def _products(self) -> tuple[Floats, Indices, Indices]:
+        """d2(v_i . v_j)/dv dv (pairs, 3 count, 3 count); the pairs of one parity and those of both."""
+        orders = self.even.rod.element.generalised
+        i, j = pairs(len(orders))
+        G = np.zeros((len(i), len(orders), 3, len(orders), 3))
+        for a in range(3):
+            G[np.arange(len(i)), i, a, j, a] += 1.0
+            G[np.arange(len(i)), j, a, i, a] += 1.0
+        parity = np.array([self.even.is_odd(order) for order in orders])
+        alike = parity[i] == parity[j]
+        size = 3 * len(orders)
+        return G.reshape(len(i), size, size), np.flatnonzero(alike), np.flatnonzero(~alike)
+
+    def _numbers(self, unknowns: MirrorUnknowns) -> Indices:
+        """Which components (vector, a) of the generalised vectors the unknowns move."""
+        orders = self.even.rod.element.generalised
+        return np.array([3 * g + a for g, order in enumerate(orders) for a in unknowns.components(order)])
+
+    def _shape(self, unknowns: MirrorUnknowns) -> Floats:
+        """N (n_el or 1, places, numbers, unknowns of the element)."""
+        N, listed = self.even.rod.elastic.N, unknowns.listed
+        nodes = len(unknowns.rod.element.node_xi)
+        vectors = len(unknowns.rod.element.vectors)
+        columns = [(node * vectors + v, a) for node in range(nodes) for v, a in listed]
+        found = np.zeros((*N.shape[:2], len(self._numbers(unknowns)), len(columns)))
+        for row, number in enumerate(self._numbers(unknowns)):
+            for column, (vector, a) in enumerate(columns):
+                if a == number % 3:
+                    found[:, :, row, column] = N[:, :, number // 3, vector]
+        return found
+
+    @cached_property
+    def N(self) -> Floats:
+        """Shape functions of the numbers w (n_el or 1, places, numbers, m)."""
+        return self._shape(self.even)
+
+    @cached_property
+    def _G(self) -> Floats:
+        """G (pairs, numbers, numbers) of the products that do not vanish."""
+        products, alike, _ = self._products
+        here = self._numbers(self.even)
+        return products[np.ix_(alike, here, here)]
+
+    @cached_property
+    def _G_flat(self) -> Floats:
+        pairs_, count, _ = self._G.shape
+        return np.ascontiguousarray(np.moveaxis(self._G, 1, 0).reshape(count, pairs_ * count))
+
+    @cached_property
+    def _N_stacked(self) -> Floats:
+        """N of all places one below the other (n_el or 1, places * numbers, m)."""
+        kinds, places, count, m = self.N.shape
+        return self.N.reshape(kinds, places * count, m)
+
+    @cached_property
+    def _positions(self) -> tuple[Indices, Indices]:
+        """Unknowns of an element that are positions, and for each the same one of its first node."""
+        listed = self.even.listed * len(self.even.rod.element.node_xi)
+        axis = self.even.rod.element.vectors.index(R)
+        found = [(place, a) for place, (v, a) in enumerate(listed) if v == axis]
+        first = [place for place, _ in found[:2]]
+        return np.array([place for place, _ in found]), np.array([first[a] for _, a in found])
+
+    @cached_property
+    def _assumed(self) -> Floats | None:
+        assumed = self.even.rod.elastic.assumed
+        return None if assumed is None else assumed[:, :, self._products[1]]
+
+    @cached_property
+    def section(self) -> SectionLaw:
+        """Energy of the sections as a function of the products that do not vanish."""
+        return restricted(self.even.rod.elastic.section, self._products[1])
+
+    @cached_property
+    def _gamma0(self) -> Floats:
+        w = self.numbers(self.element_unknowns(self.even.rod.e0))
+        return self._quadratic(self._changes(w), w)
+
+    def element_unknowns(self, e: Floats) -> Floats:
+        """Unknowns u (n_el, m) of the nodal vectors e (n_el, nodal, 3) of the elements."""
+        nodes = e.reshape(len(e), len(self.even.rod.element.node_xi), -1)
+        return (nodes @ self.even.P.T).reshape(len(e), -1)
+
+    def numbers(self, u: Floats) -> Floats:
+        """w (n_el, places, numbers) of the unknowns of the elements u (n_el, m)."""
+        positions, first = self._positions
+        relative = u.copy()
+        relative[:, positions] -= u[:, first]
+        if len(self._N_stacked) == 1:
+            w = relative @ self._N_stacked[0].T
+        else:
+            w = (self._N_stacked @ relative[..., None])[..., 0]
+        return w.reshape(len(u), *self.N.shape[1:3])
+
+    def _changes(self, w: Floats) -> Floats:
+        """B = d gamma/d w (n_el, places, pairs, numbers)."""
+        count = w.shape[-1]
+        return (w.reshape(-1, count) @ self._G_flat).reshape(*w.shape[:-1], -1, count)
+
+    @staticmethod
+    def _quadratic(B: Floats, w: Floats) -> Floats:
+        return 0.5 * (B @ w[..., None])[..., 0]
+
+    def _at_points(self, gamma: Floats) -> Floats:
+        return gamma if self._assumed is None else np.einsum("gsp,esp->egp", self._assumed, gamma)
+
+    def _at_places(self, T: Floats) -> Floats:
+        return T if self._assumed is None else np.einsum("gsp,egp->esp", self._assumed, T)
+
+    def force_and_tangent(self, u: Floats, u_previous: Floats | None = None) -> tuple[Floats, Floats]:
+        """Force (n_el, m) and symmetric tangent (n_el, m, m) at the unknowns of the elements u (n_el, m).
+
+        With `u_previous` the geometric part uses the mixed-integration-point stress.
+        """
+        w = self.numbers(u)
+        B = self._changes(w)
+        products = self._quadratic(B, w) - self._gamma0
+        T, H = self.section.response(self._at_points(products))
+        Q_w = (np.swapaxes(B, -1, -2) @ self._at_places(T)[..., None])[..., 0]
+        if u_previous is not None:
+            dw = w - self.numbers(u_previous)
+            step = self._quadratic(self._changes(dw), dw)
+            before = None
+            if not isinstance(self.section, QuadraticSection):  # a linear law does not ask where it is
+                w_previous = w - dw
+                before = self._at_points(self._quadratic(self._changes(w_previous), w_previous) - self._gamma0)
+            predicted = self._at_points(products - step)
+            T = self.section.predicted(predicted if before is None else before, predicted)
+        return self._to_nodes(Q_w), self._tangent(self.N, B, self._assumed, H, self._at_places(T), self._G)
+
+    def odd_tangent(self, u: Floats) -> Floats:
+        """Tangent (n_el, m', m') of motions out of the plane at a shape in it."""
+        elastic = self.even.rod.elastic
+        products, alike, mixed = self._products
+        here, there = self._numbers(self.even), self._numbers(self.odd)
+        w = self.numbers(u)
+        full = np.zeros((*w.shape[:-1], len(products)))
+        full[..., alike] = self._quadratic(self._changes(w), w) - self._gamma0
+        if elastic.assumed is not None:
+            full = np.einsum("gsp,esp->egp", elastic.assumed, full)
+        T, H = elastic.section.response(full)
+        T = self._at_places(T[..., alike])
+        B = np.einsum("esn,pnm->espm", w, products[np.ix_(mixed, here, there)])
+        assumed = None if elastic.assumed is None else elastic.assumed[:, :, mixed]
+        H = H[..., mixed[:, None], mixed]
+        return self._tangent(self._shape(self.odd), B, assumed, H, T, products[np.ix_(alike, there, there)])
+
+    def _to_nodes(self, Q_w: Floats) -> Floats:
+        flat = Q_w.reshape(len(Q_w), -1)
+        if len(self._N_stacked) == 1:
+            return flat @ self._N_stacked[0]
+        return (flat[:, None] @ self._N_stacked)[:, 0]
+
+    @staticmethod
+    def _tangent(N: Floats, B: Floats, assumed: Floats | None, H: Floats, T: Floats, G: Floats) -> Floats:
+        """N^T (B^T H B + sum_p T_p G_p) N; with assumed strains B^T H B belongs to the axial points."""
+        n_el, places, _, count = B.shape
+        m = N.shape[-1]
+        K_w = (T.reshape(n_el * places, -1) @ G.reshape(len(G), -1)).reshape(n_el, places, count, count)
+        if assumed is None:
+            K_w += np.swapaxes(B, -1, -2) @ (H @ B)
+        stacked = N.reshape(len(N), places * count, m)
+        K = np.swapaxes(stacked, -1, -2) @ (K_w @ N).reshape(n_el, places * count, m)
+        if assumed is not None:
+            B = np.einsum("gsp,espm->egpm", assumed, B @ N)
+            K += np.sum(np.swapaxes(B, -1, -2) @ (H @ B), axis=1)
+        return K
+
+
+def restricted(section: SectionLaw, keep: Indices) -> SectionLaw:
+    """A section law on some of the strain products; the others are zero and stay so."""
+    if isinstance(section, QuadraticSection):
+        return QuadraticSection(np.ascontiguousarray(section.H[..., keep[:, None], keep]))
+    if not isinstance(section, QuadratureSection):
+        return section  # a cable: its axis alone
+    groups = []
+    for group in section.groups:
+        terms: list[Term | ProjectedTerm | QuadraticTerm] = []
+        for term in group.terms:
+            if isinstance(term, QuadraticTerm):
+                terms.append(QuadraticTerm(term.H[keep[:, None], keep]))
+            else:
+                terms.append(replace(term, B=term.B[..., keep]))
+        groups.append(AlikeSections(group.points, group.axial_weight, tuple(terms)))
+    return QuadratureSection(tuple(groups))

@@ -1,0 +1,134 @@
+r"""A model whose scene is its own mirror image in a plane, solved on the unknowns in the plane alone.
+
+Coordinates, loads and residuals are those of the full model. Tangents and linear systems live on the planar
+unknowns u (mirror_unknowns.py): with q = F u the tangent is F^T K F, in a narrower band.
+
+At a shape in the plane the full tangent has two blocks, one on the planar unknowns and one on the motions
+out of the plane. An equilibrium is a minimum if both are positive definite: the second is looked at wherever
+Newton has converged. Where it is not, a branch out of the plane has turned off, which only the full model can
+follow: `LeavesPlane`.
+"""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.band import Factors, SingularMatrixError
+from ancf.mirror_system import Parity, PlanarSystem
+from ancf.model import Model, Residual, _add, _blocks, _effect_name
+from ancf.planar_energy import PlanarEnergy
+from ancf.scene_plane import Plane
+from ancf.section_law import QuadratureSection
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class LeavesPlane(Exception):
+    """An equilibrium in the plane gives way to motions out of it."""
+
+
+class PlanarModel(Model):
+    """The model on its planar unknowns.
+
+    Parameters
+    ----------
+    model : the full model, whose arrays are shared
+    plane : a plane in which its scene is its own mirror image
+    symmetric : whether its tangents on the planar unknowns are symmetric
+    stays : whether an equilibrium in the plane is wanted even where it gives way to motions out of it
+    """
+
+    def __init__(self, model: Model, plane: Plane, symmetric: bool, stays: bool = False) -> None:
+        vars(self).update(vars(model))
+        self._in_plane = Parity(model, plane, False, symmetric)
+        self._across = Parity(model, plane, True, model.conservative)
+        self.stays = stays
+        self._elastic = [
+            PlanarEnergy(even, odd)
+            for even, odd in zip(self._in_plane.rods, self._across.rods, strict=True)
+        ]
+        vars(self)["system"] = PlanarSystem(model.system, self._in_plane)
+        vars(self)["pattern"] = self._in_plane.pattern
+
+    @property
+    def solved(self) -> int:
+        """Number of unknowns that the plane and the supports leave."""
+        return self._in_plane.unknowns
+
+    def admissible(self, q: Floats) -> Floats:
+        """See `Model.admissible`; moved into the plane."""
+        return super().admissible(self._in_plane.to_full(self._in_plane.of(q)))
+
+    def is_planar(self, q: Floats, tolerance: float) -> bool:
+        """Whether coordinates q (n,) are in the plane, dimensionless."""
+        return self.largest_motion(q - self._in_plane.to_full(self._in_plane.of(q))) <= tolerance
+
+    def inside_out(self, q: Floats) -> bool:
+        """See `Model.inside_out`."""
+        rubber = any(isinstance(rod.elastic.section, QuadratureSection) for rod in self.rods)
+        return rubber and super().inside_out(q)
+
+    def residual_and_tangent(
+        self, q: Floats, load_factor: float, q_previous: Floats | None = None
+    ) -> tuple[Residual, Floats]:
+        """See `Model.residual_and_tangent`; the tangent in the band of the planar unknowns."""
+        side = self._in_plane
+        Q_u, flat = np.zeros(side.n), np.zeros(side.pattern.entries)
+        u = side.of(q)
+        u_previous = None if q_previous is None else side.of(q_previous)
+        with self.counters.effect("elastic"):
+            for rod, elastic in zip(side.rods, self._elastic, strict=True):
+                before = None if u_previous is None else u_previous[rod.dofs]
+                Q_e, K_e = elastic.force_and_tangent(u[rod.dofs], before)
+                _add(Q_u, rod.dofs, Q_e)
+                side.add_elements(flat, rod, K_e)
+        Q_ext = np.zeros(self.n)
+        for name, effects in groupby(zip(self.effects, side.of_effects, strict=True), key=_effect_name):
+            with self.counters.effect(name):
+                for effect, (basis, slots) in effects:
+                    Q_e, K_e = effect.force_and_tangent(_blocks(q, effect.dofs))
+                    _add(Q_ext, effect.dofs, Q_e)
+                    if K_e is not None:
+                        np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
+        return Residual(side.force_to_full(Q_u), Q_ext), flat
+
+    def _across_tangent(self, q: Floats, load_factor: float) -> Floats:
+        """Tangent of the motions out of the plane at q (n,), in their flat band storage."""
+        side = self._across
+        flat = np.zeros(side.pattern.entries)
+        u = self._in_plane.of(q)
+        with self.counters.effect("elastic"):
+            for rod, even, elastic in zip(side.rods, self._in_plane.rods, self._elastic, strict=True):
+                side.add_elements(flat, rod, elastic.odd_tangent(u[even.dofs]))
+        for effect, (basis, slots) in zip(self.effects, side.of_effects, strict=True):
+            with self.counters.effect(effect.name):
+                _, K_e = effect.force_and_tangent(_blocks(q, effect.dofs))
+            if K_e is not None:
+                np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
+        return flat
+
+    def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
+        """See `Model.is_minimum`; raises `LeavesPlane` where motions out of the plane release energy."""
+        if not self._across.system.is_positive_definite(self._across_tangent(q, load_factor)):
+            self._left()
+            return False
+        return super().is_minimum(q, load_factor, factors, flat)
+
+    def determinant_sign(self, q: Floats, load_factor: float, factors: Factors) -> int:
+        """See `Model.determinant_sign`; raises `LeavesPlane` where that of the motions out of it is negative."""
+        try:
+            across = self._across.system.factorise(self._across_tangent(q, load_factor)).determinant_sign
+        except SingularMatrixError:
+            across = -1
+        if across < 0:
+            self._left()
+        return across * factors.determinant_sign
+
+    def _left(self) -> None:
+        """An equilibrium gives way to motions out of the plane."""
+        if not self.stays:
+            raise LeavesPlane

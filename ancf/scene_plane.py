@@ -1,0 +1,207 @@
+r"""The plane of a scene: rods and loads that are their own mirror images in it stay in it.
+
+With the unit normal n of a plane through the axes of all rods, the mirror image of a vector is a - 2 (a . n)
+n. A scene is its own image if
+
+    axes, forces, levers, tendons, chambers, magnets and their field lie in the plane      a . n = 0,
+    curvatures and moments, axial vectors, stand across it                                 a x n = 0,
+    every section is its own image, and the element and the law see it so.
+
+Then the energy of a shape and of its image are equal, so that the equilibrium that is in the plane stays
+there, until another one turns off (planar_model.py looks for it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.elements import ELEMENTS
+from ancf.errors import Message
+from ancf.materials import SaintVenantKirchhoff
+from ancf.scene import Rod, Scene
+from ancf.sections import Annulus, Circle, Ellipse, Polygon, Section
+
+Floats = NDArray[np.float64]
+
+# Share of a vector that may point out of the plane: rounding of a turned base and of the normal.
+ROUNDING = 8.0 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A plane by its axes (3, 3), as columns in SCS: two in the plane, then the normal."""
+
+    axes: Floats
+
+    @property
+    def normal(self) -> Floats:
+        """Unit normal (3,)."""
+        return self.axes[:, 2]
+
+    def in_section(self, rod: Rod) -> tuple[float, float]:
+        """The normal in the section axes (y, z) of a rod."""
+        _, y, z = rod.base.rotation.T @ self.normal
+        return float(y), float(z)
+
+    def is_along_axis(self, rod: Rod) -> bool:
+        """Whether the normal is along the y or the z axis of the sections of a rod."""
+        return min(np.abs(self.in_section(rod))) <= ROUNDING
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A vector (3,) of a scene in SCS and how it has to stand: in the plane, or across it."""
+
+    where: str
+    what: str
+    vector: Floats
+    across: bool = False
+
+    def leaves(self, plane: Plane) -> float:
+        """Share of the vector that is on the wrong side, 0 to 1."""
+        size = np.abs(self.vector).max()
+        if size == 0.0:
+            return 0.0
+        vector = self.vector / size
+        vector = vector / np.linalg.norm(vector)
+        wrong = np.cross(vector, plane.normal) if self.across else vector @ plane.normal
+        return float(np.linalg.norm(wrong))
+
+
+def find_plane(scene: Scene) -> Plane | Message:
+    """The plane in which a scene is its own mirror image, or what leaves the likeliest one."""
+    parts = list(_vectors(scene))
+    first: Message | None = None
+    for normal in _normals(scene, parts):
+        plane = Plane(_axes(normal))
+        reason = _leaving(scene, parts, plane)
+        if reason is None:
+            return plane
+        first = first or reason
+    assert first is not None
+    return first
+
+
+def _vectors(scene: Scene) -> Iterator[Part]:
+    """All that has a direction, the rods first; loads of zero magnitude are in every plane."""
+    rods = {rod.name: rod for rod in scene.rods}
+    for i, rod in enumerate(scene.rods):
+        A_o = rod.base.rotation
+        yield Part(f"rod[{i}].base", "the axis of the rod", A_o[:, 0])
+        yield Part(f"rod[{i}].curvature", "the curvature of the rod", A_o @ rod.curvature, across=True)
+    for i, moment in enumerate(scene.moments):
+        yield Part(f"moment[{i}]", "the moment", moment.value, across=True)
+    for i, force in enumerate(scene.forces):
+        yield Part(f"force[{i}]", "the force", force.value)
+        if np.any(force.value):
+            yield Part(f"force[{i}].offset", "its lever", rods[force.rod].base.rotation[:, 1:] @ force.offset)
+    for i, load in enumerate(scene.line_loads):
+        yield Part(f"line_load[{i}]", "the line load", load.value)
+    for i, load in enumerate(scene.line_moments):
+        yield Part(f"line_moment[{i}]", "the line moment", load.value, across=True)
+    if scene.gravity is not None:
+        yield Part("gravity", "the weight", scene.gravity.acceleration)
+    for i, magnet in enumerate(scene.magnets):
+        if np.any(magnet.remanence) and np.any(magnet.field):
+            remanence = rods[magnet.rod].base.rotation @ magnet.remanence
+            yield Part(f"magnet[{i}].remanence", "the remanence", remanence)
+            yield Part(f"magnet[{i}].field", "the field", magnet.field)
+    for i, tendon in enumerate(scene.tendons):
+        section_axes = rods[tendon.rod].base.rotation[:, 1:]
+        for point in tendon.path if tendon.tension else []:
+            yield Part(f"tendon[{i}].path", "a point of the tendon", section_axes @ point[1:])
+    for i, chamber in enumerate(scene.pressures):
+        if chamber.value:
+            centre = rods[chamber.rod].base.rotation[:, 1:] @ chamber.centre
+            yield Part(f"pressure[{i}].chamber", "the chamber", centre)
+
+
+def _normals(scene: Scene, parts: list[Part]) -> Iterator[Floats]:
+    """Normals (3,) of the planes that a scene could have, the likeliest first."""
+    axis = scene.rods[0].base.rotation[:, 0]
+    for part in parts:
+        size = np.abs(part.vector).max()
+        if size == 0.0:
+            continue
+        vector = part.vector / size
+        vector = vector / np.linalg.norm(vector)
+        normal = vector if part.across else np.cross(axis, vector)
+        if np.linalg.norm(normal) > 1e-8:  # a load along the axis tells no plane
+            yield normal / np.linalg.norm(normal)
+            return
+    # A rod loaded along its axis alone: planes of symmetry of its sections.
+    yield scene.rods[0].base.rotation[:, 2]
+    yield scene.rods[0].base.rotation[:, 1]
+
+
+def _axes(normal: Floats) -> Floats:
+    """Axes (3, 3) of a plane; exactly those of the SCS where the plane is one of its own."""
+    main = int(np.argmax(np.abs(normal)))
+    if np.linalg.norm(np.delete(normal, main)) <= ROUNDING:
+        return np.eye(3)[:, [(main + 1) % 3, (main + 2) % 3, main]]
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    return np.column_stack([first, np.cross(normal, first), normal])
+
+
+def _leaving(scene: Scene, parts: list[Part], plane: Plane) -> Message | None:
+    """What keeps a scene from being its own image in a plane; None where nothing does."""
+    normal = ", ".join(f"{component:.6g}" for component in plane.normal)
+    if scene.joints:
+        cause = "scenes with joints are solved in space"
+        return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, normal)
+    for part in parts:
+        share = part.leaves(plane)
+        if share > ROUNDING:
+            side = "in the plane" if part.across else "out of the plane"
+            value = f"{share:.3g} of {part.what} points {side} across ({normal}), must be 0"
+            return _message(part.where, value, f"{part.what} leaves the plane of what comes before it", normal)
+    for i, rod in enumerate(scene.rods):
+        cause = _seen_in_space(rod, plane)
+        if cause:
+            return _message(f"rod[{i}].section", f"rod {rod.name!r}", cause, normal)
+    return None
+
+
+def _message(where: str, value: str, cause: str, normal: str) -> Message:
+    advice = f'move it into the plane across ({normal}), or take reduction = "auto" or "full"'
+    return Message("The scene is not planar.", where, value, cause, advice)
+
+
+def _seen_in_space(rod: Rod, plane: Plane) -> str:
+    """Why section, element or law of a rod have no mirror image in the plane; empty where they have."""
+    direction = plane.in_section(rod)
+    for part in rod.parts:
+        for section in (part.section, part.section_end):
+            if section is not None and not is_mirrored(section, direction):
+                return "the section is not its own mirror image in the plane"
+    if plane.is_along_axis(rod) or not ELEMENTS[rod.element].has_section:
+        return ""
+    # A plane between the axes of a round section.
+    directors = set(ELEMENTS[rod.element].directors)
+    degree = max(j + k for j, k in directors)
+    if {(j, d - j) for d in range(degree + 1) for j in range(d + 1)} != directors:
+        return f"the vectors of element {rod.element} have mirror images only along the axes of the section"
+    if rod.shear_factors[0] != rod.shear_factors[1]:
+        return "the shear factors distinguish the axes of the section"
+    if np.any(rod.curvature) or not all(isinstance(p.material, SaintVenantKirchhoff) for p in rod.parts):
+        return "curved rods and rubber are integrated on points that mirror each other along the section's axes"
+    return ""
+
+
+def is_mirrored(section: Section, normal: tuple[float, float]) -> bool:
+    """Whether a section is its own mirror image in a line through its centroid across `normal` (y, z)."""
+    if isinstance(section, Circle | Annulus):
+        return True
+    if isinstance(section, Ellipse) and section.semi_axis_y == section.semi_axis_z:
+        return True
+    if not isinstance(section, Polygon):
+        return min(np.abs(normal)) <= ROUNDING  # rectangles and ellipses
+    corners = section.corners
+    image = corners - 2.0 * np.outer(corners @ normal, normal)
+    distance = np.linalg.norm(corners[:, None] - image, axis=-1).min(axis=0)
+    return bool(np.max(distance) <= ROUNDING * section.outer_radius)
