@@ -1,4 +1,4 @@
-"""Banded matrices: assembly from dense blocks, LU with pivoting and Cholesky, at a cost linear in the elements.
+"""Banded matrices: assembly from dense blocks, LU with pivoting, Cholesky; cost linear in the elements.
 
 A rod couples only unknowns of one element, so with the nodes in order the tangent has a fixed half bandwidth
 and LAPACK's band LU (dgbtrf) solves it in O(n b^2).

@@ -56,9 +56,7 @@ class Parity:
             unit[here] = nodal[:, [v for v, _ in rod.listed]].ravel()
             force_unit[here] = rod.rod.bending_stiffness / rod.rod.rod.length / unit[here]
         supports = [support for rod in self.rods for support in rod.supports()]
-        return LinearSystem(
-            self.pattern, supports, unit, force_unit, self.model.counters, self.symmetric
-        )
+        return LinearSystem(self.pattern, supports, unit, force_unit, self.model.counters, self.symmetric)
 
     @property
     def unknowns(self) -> int:

@@ -6,8 +6,8 @@ image has
 
     k even: both components in the plane,      k odd: the component across it        (3333: 5 of 9 a node),
 
-and motions out of it have the others, of the opposite *parity*. Sections whose axes are neither in the plane nor
-across it (round ones only) are turned: vectors by s and n from those by y and z, with the same order in x.
+and motions out of it have the others, of the opposite *parity*. Sections whose axes are neither in the plane
+nor across it (round ones only) are turned: vectors by s and n from those by y and z, with the same order in x.
 
 Symbols
 -------

@@ -274,7 +274,7 @@ class Model:
         return all(effect.potential(_blocks(self.q0, effect.dofs)) is not None for effect in self.effects)
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
-        """Whether an equilibrium q (n,) is a minimum of the potential, by the tangent there and its factors."""
+        """Whether an equilibrium q (n,) is a minimum of the potential, by its tangent and factors."""
         return isinstance(factors, BandCholesky) or self.system.is_positive_definite(flat)
 
     def determinant_sign(self, q: Floats, load_factor: float, factors: Factors) -> int:

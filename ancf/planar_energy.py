@@ -171,7 +171,9 @@ class PlanarEnergy:
             before = None
             if not isinstance(self.section, QuadraticSection):  # a linear law does not ask where it is
                 w_previous = w - dw
-                before = self._at_points(self._quadratic(self._changes(w_previous), w_previous) - self._gamma0)
+                before = self._at_points(
+                    self._quadratic(self._changes(w_previous), w_previous) - self._gamma0
+                )
             predicted = self._at_points(products - step)
             T = self.section.predicted(predicted if before is None else before, predicted)
         return self._to_nodes(Q_w), self._tangent(self.N, B, self._assumed, H, self._at_places(T), self._G)

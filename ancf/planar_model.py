@@ -44,28 +44,27 @@ class PlanarModel(Model):
 
     def __init__(self, model: Model, plane: Plane, symmetric: bool, stays: bool = False) -> None:
         vars(self).update(vars(model))
-        self._in_plane = Parity(model, plane, False, symmetric)
-        self._across = Parity(model, plane, True, model.conservative)
+        self.in_plane = Parity(model, plane, False, symmetric)
+        self.across = Parity(model, plane, True, model.conservative)
         self.stays = stays
         self._elastic = [
-            PlanarEnergy(even, odd)
-            for even, odd in zip(self._in_plane.rods, self._across.rods, strict=True)
+            PlanarEnergy(even, odd) for even, odd in zip(self.in_plane.rods, self.across.rods, strict=True)
         ]
-        vars(self)["system"] = PlanarSystem(model.system, self._in_plane)
-        vars(self)["pattern"] = self._in_plane.pattern
+        vars(self)["system"] = PlanarSystem(model.system, self.in_plane)
+        vars(self)["pattern"] = self.in_plane.pattern
 
     @property
     def solved(self) -> int:
         """Number of unknowns that the plane and the supports leave."""
-        return self._in_plane.unknowns
+        return self.in_plane.unknowns
 
     def admissible(self, q: Floats) -> Floats:
         """See `Model.admissible`; moved into the plane."""
-        return super().admissible(self._in_plane.to_full(self._in_plane.of(q)))
+        return super().admissible(self.in_plane.to_full(self.in_plane.of(q)))
 
     def is_planar(self, q: Floats, tolerance: float) -> bool:
         """Whether coordinates q (n,) are in the plane, dimensionless."""
-        return self.largest_motion(q - self._in_plane.to_full(self._in_plane.of(q))) <= tolerance
+        return self.largest_motion(q - self.in_plane.to_full(self.in_plane.of(q))) <= tolerance
 
     def inside_out(self, q: Floats) -> bool:
         """See `Model.inside_out`."""
@@ -76,7 +75,7 @@ class PlanarModel(Model):
         self, q: Floats, load_factor: float, q_previous: Floats | None = None
     ) -> tuple[Residual, Floats]:
         """See `Model.residual_and_tangent`; the tangent in the band of the planar unknowns."""
-        side = self._in_plane
+        side = self.in_plane
         Q_u, flat = np.zeros(side.n), np.zeros(side.pattern.entries)
         u = side.of(q)
         u_previous = None if q_previous is None else side.of(q_previous)
@@ -86,6 +85,11 @@ class PlanarModel(Model):
                 Q_e, K_e = elastic.force_and_tangent(u[rod.dofs], before)
                 _add(Q_u, rod.dofs, Q_e)
                 side.add_elements(flat, rod, K_e)
+        Q_ext = self._add_loads(flat, side, q, load_factor)
+        return Residual(side.force_to_full(Q_u), Q_ext), flat
+
+    def _add_loads(self, flat: Floats, side: Parity, q: Floats, load_factor: float) -> Floats:
+        """Add the load tangents of one parity to their flat band storage; Q_ext (n,) at factor 1."""
         Q_ext = np.zeros(self.n)
         for name, effects in groupby(zip(self.effects, side.of_effects, strict=True), key=_effect_name):
             with self.counters.effect(name):
@@ -94,34 +98,30 @@ class PlanarModel(Model):
                     _add(Q_ext, effect.dofs, Q_e)
                     if K_e is not None:
                         np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
-        return Residual(side.force_to_full(Q_u), Q_ext), flat
+        return Q_ext
 
-    def _across_tangent(self, q: Floats, load_factor: float) -> Floats:
+    def across_tangent(self, q: Floats, load_factor: float) -> Floats:
         """Tangent of the motions out of the plane at q (n,), in their flat band storage."""
-        side = self._across
+        side = self.across
         flat = np.zeros(side.pattern.entries)
-        u = self._in_plane.of(q)
+        u = self.in_plane.of(q)
         with self.counters.effect("elastic"):
-            for rod, even, elastic in zip(side.rods, self._in_plane.rods, self._elastic, strict=True):
+            for rod, even, elastic in zip(side.rods, self.in_plane.rods, self._elastic, strict=True):
                 side.add_elements(flat, rod, elastic.odd_tangent(u[even.dofs]))
-        for effect, (basis, slots) in zip(self.effects, side.of_effects, strict=True):
-            with self.counters.effect(effect.name):
-                _, K_e = effect.force_and_tangent(_blocks(q, effect.dofs))
-            if K_e is not None:
-                np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
+        self._add_loads(flat, side, q, load_factor)
         return flat
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
         """See `Model.is_minimum`; raises `LeavesPlane` where motions out of the plane release energy."""
-        if not self._across.system.is_positive_definite(self._across_tangent(q, load_factor)):
+        if not self.across.system.is_positive_definite(self.across_tangent(q, load_factor)):
             self._left()
             return False
         return super().is_minimum(q, load_factor, factors, flat)
 
     def determinant_sign(self, q: Floats, load_factor: float, factors: Factors) -> int:
-        """See `Model.determinant_sign`; raises `LeavesPlane` where that of the motions out of it is negative."""
+        """See `Model.determinant_sign`; raises `LeavesPlane` where it is negative out of the plane."""
         try:
-            across = self._across.system.factorise(self._across_tangent(q, load_factor)).determinant_sign
+            across = self.across.system.factorise(self.across_tangent(q, load_factor)).determinant_sign
         except SingularMatrixError:
             across = -1
         if across < 0:

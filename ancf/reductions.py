@@ -15,7 +15,7 @@ in full, as are batches.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,8 +24,6 @@ from numpy.typing import NDArray
 from ancf.errors import Message, SceneError
 from ancf.linear_system import LinearSystem
 from ancf.scene_plane import Plane, find_plane
-from ancf.solution import Status
-from ancf.stepping import find_equilibrium
 
 if TYPE_CHECKING:
     from ancf.model import Model
@@ -62,8 +60,11 @@ class Reductions:
         return found
 
 
-def chosen(scene: Scene) -> Reductions:
-    """The reductions of a scene; raises `SceneError` where `planar` is asked for and the scene is not."""
+def chosen(scene: Scene, source: str = "") -> Reductions:
+    """The reductions of a scene; raises `SceneError` where `planar` is asked for and the scene is not.
+
+    `source` names the scene in the message.
+    """
     options = scene.solver
     path = options.method == "arclength" or (
         scene.stability is not None and scene.stability.branch == "buckled"
@@ -71,11 +72,10 @@ def chosen(scene: Scene) -> Reductions:
     if options.reduction == "full":
         return Reductions(None, False)
     if options.reduction == "planar":
-        if path or options.tangent != "analytic":
-            raise SceneError(_in_full(scene))
-        plane = find_plane(scene)
+        plane = _in_full(scene) if path or options.tangent != "analytic" else find_plane(scene)
         if isinstance(plane, Message):
-            raise SceneError(plane)
+            where = f"{source}: {plane.where}" if source else plane.where
+            raise SceneError(replace(plane, where=where))
         return Reductions(plane, has_potential(scene, plane))
     if path or scene.joints or options.tangent != "analytic":
         return Reductions(None, False)
@@ -117,6 +117,9 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
     In the plane first where the scene has one. Where the rods leave it, or no equilibrium is found in it, the
     full model decides.
     """
+    from ancf.solution import Status
+    from ancf.stepping import find_equilibrium
+
     reductions = chosen(model.scene)
     lean = reduced(model, reductions)
     if reductions.plane is not None:

@@ -129,8 +129,8 @@ def _normals(scene: Scene, parts: list[Part]) -> Iterator[Floats]:
             continue
         vector = part.vector / size
         vector = vector / np.linalg.norm(vector)
-        normal = vector if part.across else np.cross(axis, vector)
-        if np.linalg.norm(normal) > 1e-8:  # a load along the axis tells no plane
+        normal = vector - axis * (axis @ vector) if part.across else np.cross(axis, vector)
+        if np.linalg.norm(normal) > 1e-8:  # loads and couples along the axis tell no plane
             yield normal / np.linalg.norm(normal)
             return
     # A rod loaded along its axis alone: planes of symmetry of its sections.
@@ -159,7 +159,9 @@ def _leaving(scene: Scene, parts: list[Part], plane: Plane) -> Message | None:
         if share > ROUNDING:
             side = "in the plane" if part.across else "out of the plane"
             value = f"{share:.3g} of {part.what} points {side} across ({normal}), must be 0"
-            return _message(part.where, value, f"{part.what} leaves the plane of what comes before it", normal)
+            return _message(
+                part.where, value, f"{part.what} leaves the plane of what comes before it", normal
+            )
     for i, rod in enumerate(scene.rods):
         cause = _seen_in_space(rod, plane)
         if cause:
@@ -189,7 +191,9 @@ def _seen_in_space(rod: Rod, plane: Plane) -> str:
     if rod.shear_factors[0] != rod.shear_factors[1]:
         return "the shear factors distinguish the axes of the section"
     if np.any(rod.curvature) or not all(isinstance(p.material, SaintVenantKirchhoff) for p in rod.parts):
-        return "curved rods and rubber are integrated on points that mirror each other along the section's axes"
+        return (
+            "curved rods and rubber are integrated on points that mirror each other along the section's axes"
+        )
     return ""
 
 
