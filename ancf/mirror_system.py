@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ancf.band import BandPattern, Factors
 from ancf.linear_system import LinearSystem
-from ancf.mirror_unknowns import MirrorUnknowns
+from ancf.mirror_unknowns import MirrorUnknowns, mirror_unknowns
 from ancf.scene_plane import Plane
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Parity:
         self.rods: list[MirrorUnknowns] = []
         first = 0
         for rod in model.rods:
-            self.rods.append(MirrorUnknowns(rod, plane, first, odd))
+            self.rods.append(mirror_unknowns(rod, plane, first, odd))
             first = self.rods[-1].end
         self.n = first
 
@@ -53,7 +53,7 @@ class Parity:
         for rod in self.rods:
             here = slice(rod.first, rod.end)
             nodal = self.model.unit[rod.full].reshape(len(rod.rod.q0), -1, 3)[:, :, 0]
-            unit[here] = nodal[:, [v for v, _ in rod.listed]].ravel()
+            unit[here] = nodal[:, rod.node.listed // 3].ravel()
             force_unit[here] = rod.rod.bending_stiffness / rod.rod.rod.length / unit[here]
         supports = [support for rod in self.rods for support in rod.supports()]
         return LinearSystem(self.pattern, supports, unit, force_unit, self.model.counters, self.symmetric)
@@ -65,19 +65,19 @@ class Parity:
 
     def of(self, q: Floats) -> Floats:
         """The unknowns u (n,) of coordinates q."""
-        return np.concatenate([self._nodes(rod, q) @ rod.P.T for rod in self.rods], axis=None)
+        return np.concatenate([self._nodes(rod, q) @ rod.node.P.T for rod in self.rods], axis=None)
 
     def to_full(self, u: Floats) -> Floats:
         """Coordinates q of the unknowns u (n,)."""
-        return self._full(u, [rod.F.T for rod in self.rods])
+        return self._full(u, [rod.node.F.T for rod in self.rods])
 
     def force_of(self, Q: Floats) -> Floats:
         """Forces (n,) on the unknowns, F^T Q."""
-        return np.concatenate([self._nodes(rod, Q) @ rod.F for rod in self.rods], axis=None)
+        return np.concatenate([self._nodes(rod, Q) @ rod.node.F for rod in self.rods], axis=None)
 
     def force_to_full(self, Q_u: Floats) -> Floats:
         """Forces Q = P^T Q_u on the coordinates, for which F^T Q = Q_u."""
-        return self._full(Q_u, [rod.P for rod in self.rods])
+        return self._full(Q_u, [rod.node.P for rod in self.rods])
 
     @staticmethod
     def _nodes(rod: MirrorUnknowns, q: Floats) -> Floats:
@@ -105,7 +105,7 @@ class Parity:
         for effect in self.model.effects:
             first = int(effect.dofs[0, 0])
             rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
-            found.append((rod.of_element, self.pattern.block_slots(rod.dofs_of(effect.dofs))))
+            found.append((rod.node.of_element, self.pattern.block_slots(rod.dofs_of(effect.dofs))))
         return found
 
 

@@ -7,7 +7,7 @@ image has
     k even: both components in the plane,      k odd: the component across it        (3333: 5 of 9 a node),
 
 and motions out of it have the others, of the opposite *parity*. Sections whose axes are neither in the plane
-nor across it (round ones only) are turned: vectors by s and n from those by y and z, with the same order in x.
+nor across it (round ones only) are turned: vectors by s and n from those by y and z, orders in x stay.
 
 Symbols
 -------
@@ -16,8 +16,9 @@ P, F   the unknowns of one parity of a node from its nodal vectors and back, (k,
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,62 +32,88 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-@dataclass(frozen=True, eq=False)
-class MirrorUnknowns:
-    """Unknowns of one parity of one rod; `first` is the position of its unknowns among those of all rods."""
+@dataclass(frozen=True)
+class NodeUnknowns:
+    """Unknowns of one parity of a node; the same for all rods of one element that stand alike in their plane.
 
-    rod: RodModel
-    plane: Plane
-    first: int
-    odd: bool = False
+    Parameters
+    ----------
+    axes : rows of `Plane.axes`
+    normal : the normal in section axes (y, z)
+    along_axis : whether the sections stand along and across the plane, else they are turned
+    odd : whether these are the motions out of the plane
+    """
+
+    element: Element
+    axes: tuple[tuple[float, ...], ...]
+    normal: tuple[float, float]
+    along_axis: bool
+    odd: bool
 
     @cached_property
-    def _across_y(self) -> bool:
+    def across_y(self) -> bool:
         """Whether the section axis across the plane is y, else it is z or the turned z."""
-        y, z = self.plane.in_section(self.rod.rod)
-        return self.plane.is_along_axis(self.rod.rod) and abs(y) > abs(z)
+        return self.along_axis and abs(self.normal[0]) > abs(self.normal[1])
 
     def is_odd(self, order: Order) -> bool:
         """Whether a vector, by its orders in x and the turned section axes, changes sign in its image."""
-        return bool(order[1 if self._across_y else 2] % 2)
+        return bool(order[1 if self.across_y else 2] % 2)
 
     def components(self, order: Order) -> list[int]:
         """Components in the axes of the plane that the unknowns of this parity move of a vector."""
         return [2] if self.is_odd(order) != self.odd else [0, 1]
 
+    def numbers(self, orders: Iterable[Order]) -> Indices:
+        """Places 3 i + a of these components of vectors of the given orders."""
+        return np.array([3 * i + a for i, order in enumerate(orders) for a in self.components(order)])
+
     @cached_property
-    def listed(self) -> list[tuple[int, int]]:
-        """Vector and component in the axes of the plane of every unknown of a node."""
-        vectors = self.rod.element.vectors
-        return [(v, a) for v, order in enumerate(vectors) for a in self.components(order)]
+    def listed(self) -> Indices:
+        """Places 3 v + a of the unknowns among the components of the nodal vectors by the plane's axes."""
+        return self.numbers(self.element.vectors)
 
     @cached_property
     def _turned(self) -> tuple[Floats, Floats]:
         """Matrices (v, v) from vectors by the section's axes to those by the turned ones, and back."""
-        element, rod = self.rod.element, self.rod.rod
-        if self.plane.is_along_axis(rod) or not element.has_section:
-            return np.eye(len(element.vectors)), np.eye(len(element.vectors))
-        y, z = self.plane.in_section(rod)
-        return turned_vectors(element, z, -y), turned_vectors(element, z, y)
+        if self.along_axis or not self.element.has_section:
+            return np.eye(len(self.element.vectors)), np.eye(len(self.element.vectors))
+        y, z = self.normal
+        return turned_vectors(self.element, z, -y), turned_vectors(self.element, z, y)
 
     @cached_property
     def P(self) -> Floats:
         """Unknowns (k, 3 v) of a node from its nodal vectors."""
-        to_turned, _ = self._turned
-        axes = self.plane.axes
-        return np.array([np.kron(to_turned[v], axes[:, a]) for v, a in self.listed])
+        return np.kron(self._turned[0], np.array(self.axes).T)[self.listed]
 
     @cached_property
     def F(self) -> Floats:
         """Nodal vectors (3 v, k) of a node from its unknowns."""
-        _, back = self._turned
-        axes = self.plane.axes
-        return np.array([np.kron(back[:, v], axes[:, a]) for v, a in self.listed]).T
+        return np.kron(self._turned[1], np.array(self.axes))[:, self.listed]
+
+    @cached_property
+    def of_element(self) -> Floats:
+        """F of all nodes of an element, (3 nodal, m)."""
+        return np.kron(np.eye(len(self.element.node_xi)), self.F)
+
+
+@lru_cache(maxsize=64)
+def _shared(node: NodeUnknowns) -> NodeUnknowns:
+    """The first of equal ones, with what it has computed."""
+    return node
+
+
+@dataclass(frozen=True, eq=False)
+class MirrorUnknowns:
+    """Unknowns of one parity of one rod; `first` is the position of its unknowns among those of all rods."""
+
+    rod: RodModel
+    node: NodeUnknowns
+    first: int
 
     @property
     def per_node(self) -> int:
         """Unknowns of a node."""
-        return len(self.listed)
+        return len(self.node.listed)
 
     @property
     def size(self) -> int:
@@ -109,13 +136,8 @@ class MirrorUnknowns:
         nodes = self.rod.mesh.nodes_of[:, :, None] * self.per_node + np.arange(self.per_node)
         return self.first + nodes.reshape(len(nodes), -1)
 
-    @cached_property
-    def of_element(self) -> Floats:
-        """F of all nodes of an element, (3 nodal, m)."""
-        return np.asarray(np.kron(np.eye(len(self.rod.element.node_xi)), self.F), dtype=float)
-
     def dofs_of(self, blocks: Indices) -> Indices:
-        """Unknowns (m, ...) of blocks of coordinates (m, nd) on the nodes of an element of this rod."""
+        """Unknowns (m, ...) of blocks of coordinates (m, nd) on whole nodes of this rod."""
         full = self.rod.q0[0].size
         nodes = (blocks[:, ::full] - self.rod.first_dof) // full
         dofs = nodes[:, :, None] * self.per_node + np.arange(self.per_node)
@@ -125,14 +147,24 @@ class MirrorUnknowns:
         """The supports of the rod as conditions on these unknowns."""
         found = []
         for support in self.rod.node_supports():
-            rows = support.rows @ self.F
-            rows = rows[np.abs(rows).max(axis=1, initial=0.0) > 1e-12]
-            _, singular, right = np.linalg.svd(rows)
-            rank = int(np.count_nonzero(singular > 1e-12))
-            if rank < len(rows):
-                rows = right[:rank]
+            rows = support.rows @ self.node.F
+            if len(rows) == support.rows.shape[1]:
+                rows = np.eye(self.per_node)  # all is held
+            else:
+                rows = rows[np.abs(rows).max(axis=1, initial=0.0) > 1e-12]
+                _, singular, right = np.linalg.svd(rows)
+                rank = int(np.count_nonzero(singular > 1e-12))
+                if rank < len(rows):
+                    rows = right[:rank]
             found.append(NodeSupport(self.dofs_of(support.dofs[None])[0], rows))
         return found
+
+
+def mirror_unknowns(rod: RodModel, plane: Plane, first: int, odd: bool) -> MirrorUnknowns:
+    """Unknowns of one parity of a rod that is its own image in a plane."""
+    axes = tuple(tuple(row) for row in plane.axes.tolist())
+    normal, along = plane.in_section(rod.rod), plane.is_along_axis(rod.rod)
+    return MirrorUnknowns(rod, _shared(NodeUnknowns(rod.element, axes, normal, along, odd)), first)
 
 
 def turned_vectors(element: Element, cosine: float, sine: float) -> Floats:

@@ -34,13 +34,14 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from ancf.joints import Joints
+    from ancf.scene_plane import Plane
 
 Floats = NDArray[np.float64]
 
 _name = attrgetter("name")
 
 
-def _effect_name(pair: tuple[Effect, NDArray[np.intp]]) -> str:
+def _effect_name(pair: tuple[Effect, object]) -> str:
     return pair[0].name
 
 
@@ -77,7 +78,12 @@ class Residual:
 
 
 class Model:
-    """All arrays of a scene. Kernels trust them; validation happened when the scene was read."""
+    """All arrays of a scene. Kernels trust them; validation happened when the scene was read.
+
+    plane : the plane to which motions are confined (planar_model.py); None: none
+    """
+
+    plane: Plane | None = None
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene

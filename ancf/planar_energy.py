@@ -16,13 +16,13 @@ For the mixed-integration-point tangent the products after a linear step dw are 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import R
-from ancf.mirror_unknowns import MirrorUnknowns
+from ancf.mirror_unknowns import MirrorUnknowns, NodeUnknowns
 from ancf.section_energy import pairs
 from ancf.section_law import (
     AlikeSections,
@@ -39,6 +39,47 @@ Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
+class Products:
+    """Products of the generalised vectors that do not vanish, as quadratic forms of their numbers w.
+
+    Parameters
+    ----------
+    alike, mixed : pairs of vectors of one parity, and of both
+    numbers, odd_numbers : which components of the vectors are not zero in the plane; motions out of it
+    G : (alike, numbers, numbers) second derivatives; G_flat the same as (numbers, alike * numbers)
+    G_odd : (alike, odd numbers, odd numbers); G_mixed : (mixed, numbers, odd numbers)
+    """
+
+    alike: Indices
+    mixed: Indices
+    numbers: Indices
+    odd_numbers: Indices
+    G: Floats
+    G_flat: Floats
+    G_odd: Floats
+    G_mixed: Floats
+
+
+@lru_cache(maxsize=64)
+def products_of(even: NodeUnknowns, odd: NodeUnknowns) -> Products:
+    """The products of an element that stands in a plane as the unknowns of its nodes say."""
+    orders = even.element.generalised
+    i, j = pairs(len(orders))
+    second = np.zeros((len(i), len(orders), 3, len(orders), 3))
+    for a in range(3):
+        second[np.arange(len(i)), i, a, j, a] += 1.0
+        second[np.arange(len(i)), j, a, i, a] += 1.0
+    second = second.reshape(len(i), 3 * len(orders), -1)
+    parity = np.array([even.is_odd(order) for order in orders])
+    alike, mixed = np.flatnonzero(parity[i] == parity[j]), np.flatnonzero(parity[i] != parity[j])
+    here, there = even.numbers(orders), odd.numbers(orders)
+    G = second[np.ix_(alike, here, here)]
+    G_flat = np.ascontiguousarray(np.moveaxis(G, 1, 0).reshape(len(here), -1))
+    G_odd, G_mixed = second[np.ix_(alike, there, there)], second[np.ix_(mixed, here, there)]
+    return Products(alike, mixed, here, there, G, G_flat, G_odd, G_mixed)
+
+
+@dataclass(frozen=True, eq=False)
 class PlanarEnergy:
     """Elastic kernel of one rod on the unknowns in the plane; `odd` are those out of it."""
 
@@ -46,53 +87,22 @@ class PlanarEnergy:
     odd: MirrorUnknowns
 
     @cached_property
-    def _products(self) -> tuple[Floats, Indices, Indices]:
-        """d2(v_i . v_j)/dv dv (pairs, 3 count, 3 count); the pairs of one parity and those of both."""
-        orders = self.even.rod.element.generalised
-        i, j = pairs(len(orders))
-        G = np.zeros((len(i), len(orders), 3, len(orders), 3))
-        for a in range(3):
-            G[np.arange(len(i)), i, a, j, a] += 1.0
-            G[np.arange(len(i)), j, a, i, a] += 1.0
-        parity = np.array([self.even.is_odd(order) for order in orders])
-        alike = parity[i] == parity[j]
-        size = 3 * len(orders)
-        return G.reshape(len(i), size, size), np.flatnonzero(alike), np.flatnonzero(~alike)
+    def products(self) -> Products:
+        """The products on which the energy depends."""
+        return products_of(self.even.node, self.odd.node)
 
-    def _numbers(self, unknowns: MirrorUnknowns) -> Indices:
-        """Which components (vector, a) of the generalised vectors the unknowns move."""
-        orders = self.even.rod.element.generalised
-        return np.array([3 * g + a for g, order in enumerate(orders) for a in unknowns.components(order)])
-
-    def _shape(self, unknowns: MirrorUnknowns) -> Floats:
+    def _shape(self, unknowns: MirrorUnknowns, numbers: Indices) -> Floats:
         """N (n_el or 1, places, numbers, unknowns of the element)."""
-        N, listed = self.even.rod.elastic.N, unknowns.listed
-        nodes = len(unknowns.rod.element.node_xi)
-        vectors = len(unknowns.rod.element.vectors)
-        columns = [(node * vectors + v, a) for node in range(nodes) for v, a in listed]
-        found = np.zeros((*N.shape[:2], len(self._numbers(unknowns)), len(columns)))
-        for row, number in enumerate(self._numbers(unknowns)):
-            for column, (vector, a) in enumerate(columns):
-                if a == number % 3:
-                    found[:, :, row, column] = N[:, :, number // 3, vector]
-        return found
+        N, listed = self.even.rod.elastic.N, unknowns.node.listed
+        size = 3 * len(unknowns.rod.element.vectors)
+        columns = (size * np.arange(len(unknowns.rod.element.node_xi))[:, None] + listed).ravel()
+        same = (numbers[:, None] - columns) % 3 == 0
+        return N[:, :, numbers[:, None] // 3, columns // 3] * same
 
     @cached_property
     def N(self) -> Floats:
         """Shape functions of the numbers w (n_el or 1, places, numbers, m)."""
-        return self._shape(self.even)
-
-    @cached_property
-    def _G(self) -> Floats:
-        """G (pairs, numbers, numbers) of the products that do not vanish."""
-        products, alike, _ = self._products
-        here = self._numbers(self.even)
-        return products[np.ix_(alike, here, here)]
-
-    @cached_property
-    def _G_flat(self) -> Floats:
-        pairs_, count, _ = self._G.shape
-        return np.ascontiguousarray(np.moveaxis(self._G, 1, 0).reshape(count, pairs_ * count))
+        return self._shape(self.even, self.products.numbers)
 
     @cached_property
     def _N_stacked(self) -> Floats:
@@ -103,21 +113,20 @@ class PlanarEnergy:
     @cached_property
     def _positions(self) -> tuple[Indices, Indices]:
         """Unknowns of an element that are positions, and for each the same one of its first node."""
-        listed = self.even.listed * len(self.even.rod.element.node_xi)
-        axis = self.even.rod.element.vectors.index(R)
-        found = [(place, a) for place, (v, a) in enumerate(listed) if v == axis]
-        first = [place for place, _ in found[:2]]
-        return np.array([place for place, _ in found]), np.array([first[a] for _, a in found])
+        node = self.even.node
+        axis = np.flatnonzero(node.listed // 3 == node.element.vectors.index(R))
+        nodes = np.arange(len(node.element.node_xi))
+        return (len(node.listed) * nodes[:, None] + axis).ravel(), np.tile(axis, len(nodes))
 
     @cached_property
     def _assumed(self) -> Floats | None:
         assumed = self.even.rod.elastic.assumed
-        return None if assumed is None else assumed[:, :, self._products[1]]
+        return None if assumed is None else assumed[:, :, self.products.alike]
 
     @cached_property
     def section(self) -> SectionLaw:
         """Energy of the sections as a function of the products that do not vanish."""
-        return restricted(self.even.rod.elastic.section, self._products[1])
+        return restricted(self.even.rod.elastic.section, self.products.alike)
 
     @cached_property
     def _gamma0(self) -> Floats:
@@ -127,7 +136,7 @@ class PlanarEnergy:
     def element_unknowns(self, e: Floats) -> Floats:
         """Unknowns u (n_el, m) of the nodal vectors e (n_el, nodal, 3) of the elements."""
         nodes = e.reshape(len(e), len(self.even.rod.element.node_xi), -1)
-        return (nodes @ self.even.P.T).reshape(len(e), -1)
+        return (nodes @ self.even.node.P.T).reshape(len(e), -1)
 
     def numbers(self, u: Floats) -> Floats:
         """w (n_el, places, numbers) of the unknowns of the elements u (n_el, m)."""
@@ -143,7 +152,7 @@ class PlanarEnergy:
     def _changes(self, w: Floats) -> Floats:
         """B = d gamma/d w (n_el, places, pairs, numbers)."""
         count = w.shape[-1]
-        return (w.reshape(-1, count) @ self._G_flat).reshape(*w.shape[:-1], -1, count)
+        return (w.reshape(-1, count) @ self.products.G_flat).reshape(*w.shape[:-1], -1, count)
 
     @staticmethod
     def _quadratic(B: Floats, w: Floats) -> Floats:
@@ -176,24 +185,24 @@ class PlanarEnergy:
                 )
             predicted = self._at_points(products - step)
             T = self.section.predicted(predicted if before is None else before, predicted)
-        return self._to_nodes(Q_w), self._tangent(self.N, B, self._assumed, H, self._at_places(T), self._G)
+        return self._to_nodes(Q_w), self._tangent(
+            self.N, B, self._assumed, H, self._at_places(T), self.products.G
+        )
 
     def odd_tangent(self, u: Floats) -> Floats:
         """Tangent (n_el, m', m') of motions out of the plane at a shape in it."""
-        elastic = self.even.rod.elastic
-        products, alike, mixed = self._products
-        here, there = self._numbers(self.even), self._numbers(self.odd)
+        elastic, products = self.even.rod.elastic, self.products
         w = self.numbers(u)
-        full = np.zeros((*w.shape[:-1], len(products)))
-        full[..., alike] = self._quadratic(self._changes(w), w) - self._gamma0
+        full = np.zeros((*w.shape[:-1], len(products.alike) + len(products.mixed)))
+        full[..., products.alike] = self._quadratic(self._changes(w), w) - self._gamma0
         if elastic.assumed is not None:
             full = np.einsum("gsp,esp->egp", elastic.assumed, full)
         T, H = elastic.section.response(full)
-        T = self._at_places(T[..., alike])
-        B = np.einsum("esn,pnm->espm", w, products[np.ix_(mixed, here, there)])
-        assumed = None if elastic.assumed is None else elastic.assumed[:, :, mixed]
-        H = H[..., mixed[:, None], mixed]
-        return self._tangent(self._shape(self.odd), B, assumed, H, T, products[np.ix_(alike, there, there)])
+        T, H = T[..., products.alike], H[..., products.mixed[:, None], products.mixed]
+        B = np.einsum("esn,pnm->espm", w, products.G_mixed)
+        assumed = None if elastic.assumed is None else elastic.assumed[:, :, products.mixed]
+        N = self._shape(self.odd, products.odd_numbers)
+        return self._tangent(N, B, assumed, H, self._at_places(T), products.G_odd)
 
     def _to_nodes(self, Q_w: Floats) -> Floats:
         flat = Q_w.reshape(len(Q_w), -1)

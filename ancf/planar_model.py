@@ -44,6 +44,7 @@ class PlanarModel(Model):
 
     def __init__(self, model: Model, plane: Plane, symmetric: bool, stays: bool = False) -> None:
         vars(self).update(vars(model))
+        self.plane = plane
         self.in_plane = Parity(model, plane, False, symmetric)
         self.across = Parity(model, plane, True, model.conservative)
         self.stays = stays

@@ -131,7 +131,7 @@ def _normals(scene: Scene, parts: list[Part]) -> Iterator[Floats]:
         vector = vector / np.linalg.norm(vector)
         normal = vector - axis * (axis @ vector) if part.across else np.cross(axis, vector)
         if np.linalg.norm(normal) > 1e-8:  # loads and couples along the axis tell no plane
-            yield normal / np.linalg.norm(normal)
+            yield np.asarray(normal / np.linalg.norm(normal), dtype=float)
             return
     # A rod loaded along its axis alone: planes of symmetry of its sections.
     yield scene.rods[0].base.rotation[:, 2]
@@ -145,7 +145,7 @@ def _axes(normal: Floats) -> Floats:
         return np.eye(3)[:, [(main + 1) % 3, (main + 2) % 3, main]]
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
-    return np.column_stack([first, np.cross(normal, first), normal])
+    return np.column_stack([first, np.cross(normal, first), normal]).astype(float)
 
 
 def _leaving(scene: Scene, parts: list[Part], plane: Plane) -> Message | None:

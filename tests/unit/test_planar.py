@@ -303,7 +303,8 @@ LEAVING = {
     "rod[0].section": scene(arm(section=Rectangle(0.02, 0.01)),
                             forces=(Force("arm", 1.0, np.array([0, 1.0, 1.0])),)),
     "rod[1].base": Scene((
-        arm(curvature=np.array([0, 0, 1.0])), arm(name="other", base=Frame(np.zeros(3), np.eye(3)[:, [2, 0, 1]]))
+        arm(curvature=np.array([0, 0, 1.0])),
+        arm(name="other", base=Frame(np.zeros(3), np.eye(3)[:, [2, 0, 1]]))
     )),
     "gravity": scene(arm(), gravity=Gravity(np.array([0, 0, -9.81]))),
     "tendon[0].path": scene(
