@@ -83,17 +83,17 @@ class NodeUnknowns:
     @cached_property
     def P(self) -> Floats:
         """Unknowns (k, 3 v) of a node from its nodal vectors."""
-        return np.kron(self._turned[0], np.array(self.axes).T)[self.listed]
+        return np.asarray(np.kron(self._turned[0], np.array(self.axes).T), dtype=float)[self.listed]
 
     @cached_property
     def F(self) -> Floats:
         """Nodal vectors (3 v, k) of a node from its unknowns."""
-        return np.kron(self._turned[1], np.array(self.axes))[:, self.listed]
+        return np.asarray(np.kron(self._turned[1], np.array(self.axes)), dtype=float)[:, self.listed]
 
     @cached_property
     def of_element(self) -> Floats:
         """F of all nodes of an element, (3 nodal, m)."""
-        return np.kron(np.eye(len(self.element.node_xi)), self.F)
+        return np.asarray(np.kron(np.eye(len(self.element.node_xi)), self.F), dtype=float)
 
 
 @lru_cache(maxsize=64)

@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 
 from ancf.errors import Message, SceneError
 from ancf.linear_system import LinearSystem
+from ancf.scene_cable import could_be_cable
 from ancf.scene_plane import Plane, find_plane
 
 if TYPE_CHECKING:
     from ancf.model import Model
-    from ancf.scene import Scene
+    from ancf.scene import Rod, Scene
     from ancf.stepping import Trace
 
 Floats = NDArray[np.float64]
@@ -56,8 +57,11 @@ class Reductions:
                 f" {model.solved} of {model.unknowns} unknowns are solved for"
             )
         if self.symmetric:
-            found.append("symmetric: the loads have a potential, Cholesky factors replace LU")
-        return found
+            where = "" if self.plane is None else "on shapes in the plane "
+            found.append(f"symmetric: {where}the loads have a potential, Cholesky factors replace LU")
+        if model.scene.solver.reduction == "full":
+            return []
+        return found + [_of_cable(rod) for rod in model.scene.rods if could_be_cable(model.scene, rod)]
 
 
 def chosen(scene: Scene, source: str = "") -> Reductions:
@@ -146,6 +150,17 @@ def _in_full(scene: Scene) -> Message:
         f'reduction = "planar" with method = "{scene.solver.method}", tangent = "{scene.solver.tangent}"',
         "a path has to see branches out of the plane, and differences are taken of all unknowns",
         'take reduction = "auto" or "full"',
+    )
+
+
+def _of_cable(rod: Rod) -> str:
+    """What a cable in the place of a rod would leave out."""
+    part = min(rod.parts, key=lambda part: part.section.area)
+    shear = part.section.area * part.material.lame_mu * min(rod.shear_factors) * rod.length**2
+    share = 3.0 * part.material.young_modulus * part.section.weaker_second_moment / shear
+    return (
+        f'cable, on request: nothing turns or twists sections of rod {rod.name!r}, element = "cable" would do;'
+        f" it leaves out shear, some {share:.1g} of a tip force's deflection"
     )
 
 

@@ -292,6 +292,24 @@ def test_oblique_loads_are_symmetric_only():
     assert ancf.solve(twisted).reductions == []
 
 
+def test_a_cable_is_proposed_where_nothing_needs_sections():
+    """What it leaves out, shear: 3 E I/(G A L^2) of a cantilever's deflection (Timoshenko's beam)."""
+    proposed = ancf.solve(scene(arm())).reductions[-1]
+    assert proposed.startswith("cable, on request") and 'element = "cable"' in proposed
+    assert "some 0.001 of" in proposed  # 3 (R/(2 L))^2 2 (1 + nu) = 1.2e-3
+    for one in (
+        scene(arm(element="cable")),
+        scene(arm(section=Rectangle(0.02, 0.01))),
+        scene(arm(curvature=np.array([0.0, 0.0, 1.0]))),
+        *(
+            scene(arm(), **LOADS[load])
+            for load in ("moment", "lever", "follower", "tendon", "chamber", "magnet")
+        ),
+    ):
+        assert not any(sentence.startswith("cable") for sentence in ancf.solve(one).reductions)
+    assert ancf.solve(replace(scene(arm()), solver=SolverOptions(reduction="full"))).reductions == []
+
+
 LEAVING = {
     "force[0]": scene(arm(), moments=(Moment("arm", 1.0, np.array([0, 0, MOMENT])),),
                       forces=(Force("arm", 1.0, np.array([0, 1.0, 0.5])),)),
