@@ -159,7 +159,7 @@ def _of_cable(rod: Rod) -> str:
     shear = part.section.area * part.material.lame_mu * min(rod.shear_factors) * rod.length**2
     share = 3.0 * part.material.young_modulus * part.section.weaker_second_moment / shear
     return (
-        f'cable, on request: nothing turns or twists sections of rod {rod.name!r}, element = "cable" would do;'
+        f'cable, on request: nothing turns or twists sections of {rod.name!r}, element = "cable" would do;'
         f" it leaves out shear, some {share:.1g} of a tip force's deflection"
     )
 

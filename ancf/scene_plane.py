@@ -28,7 +28,7 @@ from ancf.sections import Annulus, Circle, Ellipse, Polygon, Section
 Floats = NDArray[np.float64]
 
 # Share of a vector that may point out of the plane: rounding of a turned base and of the normal.
-ROUNDING = 8.0 * float(np.finfo(float).eps)
+ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,29 +61,45 @@ class Part:
     vector: Floats
     across: bool = False
 
-    def leaves(self, plane: Plane) -> float:
-        """Share of the vector that is on the wrong side, 0 to 1."""
-        size = np.abs(self.vector).max()
-        if size == 0.0:
-            return 0.0
-        vector = self.vector / size
-        vector = vector / np.linalg.norm(vector)
-        wrong = np.cross(vector, plane.normal) if self.across else vector @ plane.normal
-        return float(np.linalg.norm(wrong))
+
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """The vectors of a scene that are not zero, as unit vectors (n, 3), and which have to stand across."""
+
+    parts: list[Part]
+    units: Floats
+    across: NDArray[np.bool_]
+
+    def leave(self, plane: Plane) -> Floats:
+        """Share (n,) of each vector on the wrong side, 0 to 1."""
+        along = self.units @ plane.normal
+        wrong = self.units - along[:, None] * plane.normal
+        return np.where(self.across, np.sqrt(np.einsum("ni,ni->n", wrong, wrong)), np.abs(along))
 
 
 def find_plane(scene: Scene) -> Plane | Message:
     """The plane in which a scene is its own mirror image, or what leaves the likeliest one."""
-    parts = list(_vectors(scene))
+    directions = _directions(scene)
     first: Message | None = None
-    for normal in _normals(scene, parts):
+    for normal in _normals(scene, directions):
         plane = Plane(_axes(normal))
-        reason = _leaving(scene, parts, plane)
+        reason = _leaving(scene, directions, plane)
         if reason is None:
             return plane
         first = first or reason
     assert first is not None
     return first
+
+
+def _directions(scene: Scene) -> Directions:
+    vectors = list(_vectors(scene))
+    values = np.array([part.vector for part in vectors])
+    size = np.abs(values).max(axis=1)
+    there = np.flatnonzero(size > 0.0)
+    units = values[there] / size[there, None]
+    units /= np.sqrt(np.einsum("ni,ni->n", units, units))[:, None]
+    parts = [vectors[i] for i in there]
+    return Directions(parts, units, np.array([part.across for part in parts]))
 
 
 def _vectors(scene: Scene) -> Iterator[Part]:
@@ -120,20 +136,23 @@ def _vectors(scene: Scene) -> Iterator[Part]:
             yield Part(f"pressure[{i}].chamber", "the chamber", centre)
 
 
-def _normals(scene: Scene, parts: list[Part]) -> Iterator[Floats]:
-    """Normals (3,) of the planes that a scene could have, the likeliest first."""
+def _normals(scene: Scene, directions: Directions) -> Iterator[Floats]:
+    """Normals (3,) of the planes that a scene could have, the likeliest first.
+
+    That of the first vector off the axis of the first rod, then that of the one farthest off, which is told
+    best; of a rod loaded along its axis alone the planes of its sections' axes.
+    """
+    units = directions.units
     axis = scene.rods[0].base.rotation[:, 0]
-    for part in parts:
-        size = np.abs(part.vector).max()
-        if size == 0.0:
-            continue
-        vector = part.vector / size
-        vector = vector / np.linalg.norm(vector)
-        normal = vector - axis * (axis @ vector) if part.across else np.cross(axis, vector)
-        if np.linalg.norm(normal) > 1e-8:  # loads and couples along the axis tell no plane
-            yield np.asarray(normal / np.linalg.norm(normal), dtype=float)
-            return
-    # A rod loaded along its axis alone: planes of symmetry of its sections.
+    off = units - (units @ axis)[:, None] * axis
+    normals = np.where(directions.across[:, None], off, np.cross(axis, units))
+    normals -= (normals @ axis)[:, None] * axis  # digits that a vector near the axis has lost
+    sizes = np.sqrt(np.einsum("ni,ni->n", normals, normals))
+    told = np.flatnonzero(sizes > ROUNDING)
+    if len(told):
+        yield normals[told[0]] / sizes[told[0]]
+        best = int(np.argmax(sizes))
+        yield normals[best] / sizes[best]
     yield scene.rods[0].base.rotation[:, 2]
     yield scene.rods[0].base.rotation[:, 1]
 
@@ -148,20 +167,20 @@ def _axes(normal: Floats) -> Floats:
     return np.column_stack([first, np.cross(normal, first), normal]).astype(float)
 
 
-def _leaving(scene: Scene, parts: list[Part], plane: Plane) -> Message | None:
+def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | None:
     """What keeps a scene from being its own image in a plane; None where nothing does."""
     normal = ", ".join(f"{component:.6g}" for component in plane.normal)
     if scene.joints:
         cause = "scenes with joints are solved in space"
         return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, normal)
-    for part in parts:
-        share = part.leaves(plane)
-        if share > ROUNDING:
-            side = "in the plane" if part.across else "out of the plane"
-            value = f"{share:.3g} of {part.what} points {side} across ({normal}), must be 0"
-            return _message(
-                part.where, value, f"{part.what} leaves the plane of what comes before it", normal
-            )
+    shares = directions.leave(plane)
+    if np.max(shares) > ROUNDING:
+        first = int(np.argmax(shares > ROUNDING))
+        part = directions.parts[first]
+        side = "in the plane" if part.across else "out of the plane"
+        value = f"{shares[first]:.3g} of {part.what} points {side} across ({normal}), must be 0"
+        cause = f"{part.what} leaves the plane of what comes before it"
+        return _message(part.where, value, cause, normal)
     for i, rod in enumerate(scene.rods):
         cause = _seen_in_space(rod, plane)
         if cause:

@@ -346,6 +346,15 @@ def test_planar_names_what_leaves_the_plane(where: str):
         ancf.solve(replace(LEAVING[where], solver=SolverOptions(reduction="planar")))
 
 
+@pytest.mark.parametrize("off", [1e-3, 1e-7, 1e-11, 1e-15, 1e-40])
+def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
+    along, aside = OBLIQUE[:, 0], OBLIQUE @ [0.0, 0.6, 0.8]
+    rod = arm(base=Frame(np.zeros(3), OBLIQUE))
+    plane = find(scene(rod, forces=(Force("arm", 1.0, along + off * aside),)))
+    if off > 1e-14:  # below, rounding has the last word on which plane it is
+        assert abs(plane.normal @ aside) < 1e-15 / off
+
+
 def test_zero_loads_are_in_every_plane():
     one = scene(arm(), moments=(Moment("arm", 1.0, np.zeros(3)),), gravity=Gravity(np.zeros(3)))
     assert has_potential(one, find(one))
