@@ -114,8 +114,7 @@ def test_rods_bend_in_the_plane_as_they_do_in_space(name: str, way: str):
     assert planar.status == full.status == "converged"
     assert planar.stable is full.stable is True
     assert planar.iterations == full.iterations
-    # Rounding of the residual moves a shape by little of the floor that it leaves.
-    assert distance(planar, full) < 1e-12 + 1e-2 * full.residual_floor
+    assert distance(planar, full) < 1e-12
 
 
 @pytest.mark.parametrize("name", ["3333", "3243", "3363", "cable"])
@@ -126,7 +125,7 @@ def test_round_rods_have_a_plane_in_every_direction(name: str, angle: float):
     ))  # fmt: skip
     planar, full = both(one)
     assert is_planar(planar)
-    assert distance(planar, full) < 1e-12 + 1e-2 * full.residual_floor
+    assert distance(planar, full) < 1e-12
 
 
 LOADS: dict[str, dict[str, Any]] = {
@@ -156,7 +155,7 @@ def test_loads_in_the_plane_do_what_they_do_in_space(load: str, name: str):
     assert planar.status == full.status == "converged"
     assert planar.stable is full.stable
     assert planar.iterations == full.iterations
-    assert distance(planar, full) < 1e-12 + 1e-2 * full.residual_floor
+    assert distance(planar, full) < 1e-12
 
 
 @pytest.mark.parametrize("load", LOADS)
