@@ -37,6 +37,8 @@ from ancf.section_law import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+ON_PLANE = 1e-9  # of the largest distance from the plane: section points closer are on it
+
 
 @dataclass(frozen=True, eq=False)
 class Products:
@@ -126,7 +128,11 @@ class PlanarEnergy:
     @cached_property
     def section(self) -> SectionLaw:
         """Energy of the sections as a function of the products that do not vanish."""
-        return restricted(self.even.rod.elastic.section, self.products.alike)
+        node = self.even.node
+        if not node.element.has_section:
+            return self.even.rod.elastic.section
+        slope = node.element.generalised.index((1, *((1, 0) if node.across_y else (0, 1))))
+        return restricted(self.even.rod.elastic.section, self.products.alike, slope)
 
     @cached_property
     def _gamma0(self) -> Floats:
@@ -226,12 +232,17 @@ class PlanarEnergy:
         return K
 
 
-def restricted(section: SectionLaw, keep: Indices) -> SectionLaw:
-    """A section law on some of the strain products; the others are zero and stay so."""
+def restricted(section: SectionLaw, keep: Indices, slope: int) -> SectionLaw:
+    """A section law on the strain products that do not vanish, on half of its section points.
+
+    Parameters
+    ----------
+    keep : which products
+    slope : which generalised vector is d_x d_n r, n across the plane: its weight has the sign of n
+    """
     if isinstance(section, QuadraticSection):
         return QuadraticSection(np.ascontiguousarray(section.H[..., keep[:, None], keep]))
-    if not isinstance(section, QuadratureSection):
-        return section  # a cable: its axis alone
+    assert isinstance(section, QuadratureSection)
     groups = []
     for group in section.groups:
         terms: list[Term | ProjectedTerm | QuadraticTerm] = []
@@ -239,6 +250,26 @@ def restricted(section: SectionLaw, keep: Indices) -> SectionLaw:
             if isinstance(term, QuadraticTerm):
                 terms.append(QuadraticTerm(term.H[keep[:, None], keep]))
             else:
-                terms.append(replace(term, B=term.B[..., keep]))
+                half = halved(term, slope)
+                terms.append(replace(half, B=half.B[..., keep]))
         groups.append(AlikeSections(group.points, group.axial_weight, tuple(terms)))
     return QuadratureSection(tuple(groups))
+
+
+def halved(term: Term | ProjectedTerm, slope: int) -> Term | ProjectedTerm:
+    """The points of a term on one side of the plane, for both sides; those on it count once.
+
+    A point and its mirror image have the same energy. Of the affine functions the one that is odd across the
+    plane meets even fields only and drops out.
+    """
+    across = term.weights_local[:, slope, 0]
+    near = ON_PLANE * np.abs(across).max()
+    here = np.flatnonzero(across >= -near)
+    weight = np.where(across > near, 2.0, 1.0) * term.weight
+    if isinstance(term, Term):
+        return Term(term.potential, term.weights_local[here], term.B[here], weight[here])
+    odd = int(np.argmax(np.abs((term.weight * across) @ term.affine)))
+    affine = np.delete(term.affine, odd, axis=1)[here]
+    return replace(
+        term, weights_local=term.weights_local[here], B=term.B[here], weight=weight[here], affine=affine
+    )

@@ -69,8 +69,12 @@ class PlanarModel(Model):
 
     def inside_out(self, q: Floats) -> bool:
         """See `Model.inside_out`."""
-        rubber = any(isinstance(rod.elastic.section, QuadratureSection) for rod in self.rods)
-        return rubber and super().inside_out(q)
+        for rod, elastic in zip(self.rods, self._elastic, strict=True):
+            if isinstance(elastic.section, QuadratureSection):
+                smallest = elastic.section.smallest_volume(rod.generalised(q))
+                if not np.min(smallest) > 0.0:
+                    return True
+        return False
 
     def residual_and_tangent(
         self, q: Floats, load_factor: float, q_previous: Floats | None = None
