@@ -55,7 +55,7 @@ class Parity:
             nodal = self.model.unit[rod.full].reshape(len(rod.rod.q0), -1, 3)[:, :, 0]
             unit[here] = nodal[:, rod.node.listed // 3].ravel()
             force_unit[here] = rod.rod.bending_stiffness / rod.rod.rod.length / unit[here]
-        supports = [support for rod in self.rods for support in rod.supports()]
+        supports = [support for rod in self.rods for support in rod.supports(self.model.supports)]
         return LinearSystem(self.pattern, supports, unit, force_unit, self.model.counters, self.symmetric)
 
     @property

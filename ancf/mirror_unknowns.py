@@ -143,10 +143,12 @@ class MirrorUnknowns:
         dofs = nodes[:, :, None] * self.per_node + np.arange(self.per_node)
         return self.first + dofs.reshape(len(blocks), -1)
 
-    def supports(self) -> list[NodeSupport]:
-        """The supports of the rod as conditions on these unknowns."""
+    def supports(self, full: list[NodeSupport]) -> list[NodeSupport]:
+        """Those supports of a model that hold this rod, as conditions on these unknowns."""
         found = []
-        for support in self.rod.node_supports():
+        for support in full:
+            if not self.full.start <= support.dofs[0] < self.full.stop:
+                continue
             rows = support.rows @ self.node.F
             if len(rows) == support.rows.shape[1]:
                 rows = np.eye(self.per_node)  # all is held

@@ -14,6 +14,7 @@ in full, as are batches.
 
 from __future__ import annotations
 
+import time
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -124,6 +125,7 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
     from ancf.solution import Status
     from ancf.stepping import find_equilibrium
 
+    deadline = time.perf_counter() + model.scene.solver.max_seconds
     reductions = chosen(model.scene)
     lean = reduced(model, reductions)
     if reductions.plane is not None:
@@ -132,7 +134,7 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
         assert isinstance(lean, PlanarModel)
         if lean.stays or start is None or lean.is_planar(start, ROUNDING):
             try:
-                trace = find_equilibrium(lean, start)
+                trace = find_equilibrium(lean, start, deadline)
             except LeavesPlane:
                 trace = None
             final = (Status.CONVERGED, Status.OUT_OF_TIME)
@@ -140,7 +142,7 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
                 return trace, reductions.sentences(lean)
         reductions = Reductions(None, has_potential(model.scene, None))
         lean = reduced(model, reductions)
-    return find_equilibrium(lean, start), reductions.sentences(lean)
+    return find_equilibrium(lean, start, deadline), reductions.sentences(lean)
 
 
 def _in_full(scene: Scene) -> Message:

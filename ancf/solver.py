@@ -65,7 +65,8 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
 
     Notes
     -----
-    Newton with a band LU: cost linear in the number of elements. Paper section 2.4.
+    Newton on what the scene calls for (reductions.py) with band LU or Cholesky: cost linear in the number of
+    elements. Paper section 2.4.
     """
     if scene.solver.accuracy is not None:
         from ancf.accuracy import solve_to_accuracy
