@@ -17,7 +17,10 @@ from ancf.mirror_system import Parity
 from ancf.mirror_unknowns import turned_vectors
 from ancf.model import Model
 from ancf.planar_model import PlanarModel
+from ancf.planar_start import in_plane
+from ancf.predictor import _chain as chain_of
 from ancf.reductions import chosen, has_potential, reduced
+from ancf.rod_start import nodal_loads
 from ancf.rotation import exp
 from ancf.scene import (
     Force,
@@ -225,6 +228,28 @@ def test_load_steps_in_the_plane_are_those_in_space():
     assert distance(planar, full) < 1e-12
 
 
+@pytest.mark.parametrize("load", ["lever", "line load", "line moment"])
+def test_steps_of_the_planar_chain_are_newtons(load: str):
+    """The change of the unbalanced moments along a step undoes them, in first order of its size."""
+    one = scene(arm(curvature=np.array([0.0, 0.0, 2.0])), **{"forces": (), **LOADS[load]})
+    rod = Model(one).rods[0]
+    chain, loads = in_plane(chain_of(rod), nodal_loads(one, rod), find(one))
+    # Arms as long as the rod, or their couple would be lost beside its stiffness.
+    loads = replace(loads, levers=[(node, 50.0 * arm, F) for node, arm, F in loads.levers])
+    angles = chain._state(chain.R_0) + 0.3 * np.sin(np.arange(len(chain.R_0)))
+    angles[0] = chain._state(chain.R_0)[0]
+    g, parts = chain._residual(angles, loads)
+    # A moment of next to nothing: with dead forces alone a step from a shape that is no minimum is refused.
+    loads = replace(loads, turning_moment=loads.turning_moment + 1e-300)
+    w = chain._step(g, parts, loads, angles, 0.0)
+    assert w is not None
+    small = 1e-6 / np.abs(w).max()
+    ahead, behind = (chain._residual(angles + sign * small * w[:, 0], loads)[0] for sign in (1.0, -1.0))
+    change = (ahead - behind) / (2.0 * small)
+    # sinc, by which a chord is shorter than its arc, is taken as it stands.
+    np.testing.assert_allclose(change, -g, atol=2e-2 * np.abs(g).max())
+
+
 def strip(share: float, **options: Any) -> Scene:
     """A cantilever strip, 2 mm thick and 40 mm high, under a share of its lateral buckling load, in plane.
 
@@ -254,13 +279,17 @@ def test_a_strip_that_buckles_sideways_is_unstable(share: float, stable: bool):
     assert np.all(forced.nodes()[:, 2] == 0.0)
 
 
-def test_a_follower_that_turns_the_determinant_is_unstable():
-    """Without a potential: the odd block's determinant, as the full one's."""
-    one = strip(2.0)
-    force = replace(one.forces[0], direction="follower")
-    planar, full = both(replace(one, forces=(force,)))
-    assert planar.stable is full.stable
-    assert planar.status == full.status
+def test_without_a_potential_the_determinant_out_of_the_plane_counts():
+    """A moment that does next to nothing leaves the sign of the determinant only, and it is negative."""
+    height = strip(2.0).forces[0].value[1]
+    moments = (Moment("arm", 1.0, np.array([0.0, 0.0, 1e-6 * height])),)
+    for share, stable in ((0.5, None), (2.0, False)):
+        planar, full = both(replace(strip(share), moments=moments))
+        assert planar.status == full.status == "converged"
+        assert planar.stable is full.stable is stable
+        assert is_planar(planar) is (stable is None)
+        forced = ancf.solve(replace(strip(share, reduction="planar"), moments=moments))
+        assert is_planar(forced) and forced.stable is stable
 
 
 @pytest.mark.parametrize("reduction", ["auto", "full"])
@@ -273,6 +302,15 @@ def test_a_start_out_of_the_plane_is_followed_there(reduction: str):
     assert again.status == "converged" and again.stable
     assert np.abs(again.nodes()[:, 2]).max() > 0.01
     assert not is_planar(again)
+
+
+def test_a_start_decides_whether_the_plane_will_do():
+    one = scene(arm())
+    first = ancf.solve(one)
+    aside = first.q.copy().reshape(-1, 3)
+    aside[-2, 2] += 1e-9  # z of r_y at the tip
+    assert is_planar(ancf.solve(one, start=first.q))
+    assert not is_planar(ancf.solve(one, start=aside.ravel()))
 
 
 def test_full_is_lu_on_all_unknowns():
@@ -289,6 +327,8 @@ def test_oblique_loads_are_symmetric_only():
     assert distance(lean, full) < 1e-12
     twisted = replace(one, moments=(Moment("arm", 1.0, np.array([1.0, 0, 0]) * MOMENT),))
     assert ancf.solve(twisted).reductions == []
+    spread = replace(one, line_moments=(LineMoment("arm", np.array([1.0, 0, 0]) * MOMENT),))
+    assert ancf.solve(spread).reductions == []
 
 
 def test_a_cable_is_proposed_where_nothing_needs_sections():
