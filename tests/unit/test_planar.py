@@ -220,6 +220,25 @@ def find(one: Scene) -> Plane:
     return plane
 
 
+def test_rods_of_several_elements_share_a_plane():
+    """One turned in the plane and standing beside it, one with the normal along y of its section."""
+    turned = exp(np.array([0.0, 0.0, 1.1]))
+    other = Frame(np.array([0.1, 0.2, 0.3]), turned @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
+    rods = (arm(), arm(name="other", element="3243", section=Rectangle(0.02, 0.01), base=other), arm(
+        name="third", element="cable", supports=(Support(0.0, "clamp"), Support(1.0, "pin"))
+    ))  # fmt: skip
+    loads = (
+        LineLoad("other", np.array([2.0, 1, 0]) * FORCE / LENGTH),
+        LineLoad("third", np.array([0, 9.0, 0])),
+    )
+    planar, full = both(Scene(rods, forces=scene(arm()).forces, line_loads=loads))
+    assert is_planar(planar) and planar.status == full.status == "converged"
+    assert planar.stable is full.stable is True
+    assert distance(planar, full) < 1e-12
+    # 12 nodes of 5 of 9, 6 of 7 of 12, 6 of 4 of 6 less the pin
+    assert "124 of 213 unknowns" in planar.reductions[0]
+
+
 def test_load_steps_in_the_plane_are_those_in_space():
     one = scene(arm(), solver=SolverOptions(predictor="none"))
     planar, full = both(one)
