@@ -65,7 +65,7 @@ class Parity:
 
     def of(self, q: Floats) -> Floats:
         """The unknowns u (n,) of coordinates q."""
-        return np.concatenate([self._nodes(rod, q) @ rod.node.P.T for rod in self.rods], axis=None)
+        return _joined([self._nodes(rod, q) @ rod.node.P.T for rod in self.rods])
 
     def to_full(self, u: Floats) -> Floats:
         """Coordinates q of the unknowns u (n,)."""
@@ -73,7 +73,7 @@ class Parity:
 
     def force_of(self, Q: Floats) -> Floats:
         """Forces (n,) on the unknowns, F^T Q."""
-        return np.concatenate([self._nodes(rod, Q) @ rod.node.F for rod in self.rods], axis=None)
+        return _joined([self._nodes(rod, Q) @ rod.node.F for rod in self.rods])
 
     def force_to_full(self, Q_u: Floats) -> Floats:
         """Forces Q = P^T Q_u on the coordinates, for which F^T Q = Q_u."""
@@ -84,11 +84,8 @@ class Parity:
         return q[rod.full].reshape(len(rod.rod.q0), -1)
 
     def _full(self, u: Floats, matrices: list[Floats]) -> Floats:
-        parts = [
-            (u[rod.first : rod.end].reshape(-1, rod.per_node) @ matrix).ravel()
-            for rod, matrix in zip(self.rods, matrices, strict=True)
-        ]
-        return np.concatenate(parts)
+        nodes = [u[rod.first : rod.end].reshape(-1, rod.per_node) for rod in self.rods]
+        return _joined([here @ matrix for here, matrix in zip(nodes, matrices, strict=True)])
 
     def add_elements(self, flat: Floats, rod: MirrorUnknowns, K: Floats) -> None:
         """Add the tangents (n_el, m, m) of the elements of a rod to the flat band storage."""
@@ -107,6 +104,11 @@ class Parity:
             rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
             found.append((rod.node.of_element, self.pattern.block_slots(rod.dofs_of(effect.dofs))))
         return found
+
+
+def _joined(parts: list[Floats]) -> Floats:
+    """The numbers of all rods in a row."""
+    return parts[0].ravel() if len(parts) == 1 else np.concatenate(parts, axis=None)
 
 
 class PlanarSystem(LinearSystem):

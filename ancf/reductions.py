@@ -52,9 +52,8 @@ class Reductions:
         found = []
         if isinstance(model, PlanarModel):
             assert self.plane is not None
-            normal = ", ".join(f"{component:.6g}" for component in self.plane.normal + 0.0)
             found.append(
-                f"planar: rods and loads stay in the plane across ({normal}),"
+                f"planar: rods and loads stay in the plane across ({self.plane}),"
                 f" {model.solved} of {model.unknowns} unknowns are solved for"
             )
         if self.symmetric:

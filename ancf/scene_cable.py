@@ -69,17 +69,17 @@ def check_cable(table: Table, rod: Rod, joined: bool) -> None:
 
 def could_be_cable(scene: Scene, rod: Rod) -> bool:
     """Whether neither the rod nor a load on it calls for a section or torsion, so that a cable would do."""
-    if rod.element == "cable":
+    on_sections = (*scene.moments, *scene.line_moments, *scene.magnets, *scene.tendons, *scene.pressures)
+    on_axis = (*scene.forces, *scene.line_loads)
+    levers = any(load.rod == rod.name and np.any(load.offset) for load in scene.forces)
+    turning = any(load.rod == rod.name and load.direction == "follower" for load in on_axis)
+    if rod.element == "cable" or levers or turning or any(load.rod == rod.name for load in on_sections):
         return False
     try:
         check_cable(Table({}, "", ""), rod, any(rod.name in (p.rod for p in j.places) for j in scene.joints))
     except SceneError:
         return False
-    on_sections = (*scene.moments, *scene.line_moments, *scene.magnets, *scene.tendons, *scene.pressures)
-    on_axis = (*scene.forces, *scene.line_loads)
-    levers = any(load.rod == rod.name and np.any(load.offset) for load in scene.forces)
-    turning = any(load.rod == rod.name and load.direction == "follower" for load in on_axis)
-    return not (levers or turning or any(load.rod == rod.name for load in on_sections))
+    return True
 
 
 def refuse_on_cable(table: Table, rod: Rod, key: str, what: str, why: str) -> None:

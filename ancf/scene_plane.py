@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ancf.elements import ELEMENTS
 from ancf.errors import Message
 from ancf.materials import SaintVenantKirchhoff
+from ancf.rotation import hat
 from ancf.scene import Rod, Scene
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Section
 
@@ -42,6 +43,10 @@ class Plane:
         """Unit normal (3,)."""
         return self.axes[:, 2]
 
+    def __str__(self) -> str:
+        """The normal, to six digits."""
+        return ", ".join(f"{component + 0.0:.6g}" for component in self.normal)
+
     def in_section(self, rod: Rod) -> tuple[float, float]:
         """The normal in the section axes (y, z) of a rod."""
         _, y, z = rod.base.rotation.T @ self.normal
@@ -49,7 +54,7 @@ class Plane:
 
     def is_along_axis(self, rod: Rod) -> bool:
         """Whether the normal is along the y or the z axis of the sections of a rod."""
-        return min(np.abs(self.in_section(rod))) <= ROUNDING
+        return min(map(abs, self.in_section(rod))) <= ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +150,7 @@ def _normals(scene: Scene, directions: Directions) -> Iterator[Floats]:
     units = directions.units
     axis = scene.rods[0].base.rotation[:, 0]
     off = units - (units @ axis)[:, None] * axis
-    normals = np.where(directions.across[:, None], off, np.cross(axis, units))
+    normals = np.where(directions.across[:, None], off, units @ hat(axis).T)
     normals -= (normals @ axis)[:, None] * axis  # digits that a vector near the axis has lost
     sizes = np.sqrt(np.einsum("ni,ni->n", normals, normals))
     told = np.flatnonzero(sizes > ROUNDING)
@@ -160,7 +165,7 @@ def _normals(scene: Scene, directions: Directions) -> Iterator[Floats]:
 def _axes(normal: Floats) -> Floats:
     """Axes (3, 3) of a plane; exactly those of the SCS where the plane is one of its own."""
     main = int(np.argmax(np.abs(normal)))
-    if np.linalg.norm(np.delete(normal, main)) <= ROUNDING:
+    if max(abs(float(normal[main - 1])), abs(float(normal[main - 2]))) <= ROUNDING:
         return np.eye(3)[:, [(main + 1) % 3, (main + 2) % 3, main]]
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
@@ -169,27 +174,26 @@ def _axes(normal: Floats) -> Floats:
 
 def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | None:
     """What keeps a scene from being its own image in a plane; None where nothing does."""
-    normal = ", ".join(f"{component:.6g}" for component in plane.normal)
     if scene.joints:
         cause = "scenes with joints are solved in space"
-        return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, normal)
+        return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, plane)
     shares = directions.leave(plane)
     if np.max(shares) > ROUNDING:
         first = int(np.argmax(shares > ROUNDING))
         part = directions.parts[first]
         side = "in the plane" if part.across else "out of the plane"
-        value = f"{shares[first]:.3g} of {part.what} points {side} across ({normal}), must be 0"
+        value = f"{shares[first]:.3g} of {part.what} points {side} across ({plane}), must be 0"
         cause = f"{part.what} leaves the plane of what comes before it"
-        return _message(part.where, value, cause, normal)
+        return _message(part.where, value, cause, plane)
     for i, rod in enumerate(scene.rods):
         cause = _seen_in_space(rod, plane)
         if cause:
-            return _message(f"rod[{i}].section", f"rod {rod.name!r}", cause, normal)
+            return _message(f"rod[{i}].section", f"rod {rod.name!r}", cause, plane)
     return None
 
 
-def _message(where: str, value: str, cause: str, normal: str) -> Message:
-    advice = f'move it into the plane across ({normal}), or take reduction = "auto" or "full"'
+def _message(where: str, value: str, cause: str, plane: Plane) -> Message:
+    advice = f'move it into the plane across ({plane}), or take reduction = "auto" or "full"'
     return Message("The scene is not planar.", where, value, cause, advice)
 
 
@@ -223,7 +227,7 @@ def is_mirrored(section: Section, normal: tuple[float, float]) -> bool:
     if isinstance(section, Ellipse) and section.semi_axis_y == section.semi_axis_z:
         return True
     if not isinstance(section, Polygon):
-        return min(np.abs(normal)) <= ROUNDING  # rectangles and ellipses
+        return min(map(abs, normal)) <= ROUNDING  # rectangles and ellipses
     corners = section.corners
     image = corners - 2.0 * np.outer(corners @ normal, normal)
     distance = np.linalg.norm(corners[:, None] - image, axis=-1).min(axis=0)
