@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# Effects whose potential `has_potential` knows from the scene; the others are asked.
+JUDGED = ("moment", "line_moment", "force", "line_load")
 # Dimensionless distance from the plane that rounding may give a start.
 ROUNDING = 1e-13
 
@@ -89,6 +91,19 @@ def chosen(scene: Scene, source: str = "") -> Reductions:
     return Reductions(plane, has_potential(scene, plane))
 
 
+def settled(model: Model) -> Reductions:
+    """The reductions of a scene, less those that an effect forbids that only its model knows."""
+    reductions = chosen(model.scene)
+    others = (effect for effect in model.effects if effect.name not in JUDGED)
+    if reductions.symmetric and any(
+        effect.potential(model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)) is None for effect in others
+    ):
+        reductions = replace(reductions, symmetric=False)
+    if model.n > model.motions and model.joints is None:  # unknowns that are no motions of rods
+        return Reductions(None, False)
+    return reductions
+
+
 def has_potential(scene: Scene, plane: Plane | None) -> bool:
     """Whether all loads that act have a potential, of a planar scene on shapes in the plane.
 
@@ -125,7 +140,7 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
     from ancf.stepping import find_equilibrium
 
     deadline = time.perf_counter() + model.scene.solver.max_seconds
-    reductions = chosen(model.scene)
+    reductions = settled(model)
     lean = reduced(model, reductions)
     if reductions.plane is not None:
         from ancf.planar_model import LeavesPlane, PlanarModel
@@ -139,7 +154,7 @@ def search(model: Model, start: Floats | None) -> tuple[Trace, list[str]]:
             final = (Status.CONVERGED, Status.OUT_OF_TIME)
             if trace is not None and (lean.stays or trace.status in final):
                 return trace, reductions.sentences(lean)
-        reductions = Reductions(None, has_potential(model.scene, None))
+        reductions = Reductions(None, reductions.symmetric and has_potential(model.scene, None))
         lean = reduced(model, reductions)
     return find_equilibrium(lean, start, deadline), reductions.sentences(lean)
 
@@ -167,5 +182,5 @@ def _of_cable(rod: Rod) -> str:
 
 def sentences(model: Model) -> list[str]:
     """What will be left out of a scene, a sentence each."""
-    reductions = chosen(model.scene)
+    reductions = settled(model)
     return reductions.sentences(reduced(model, reductions))

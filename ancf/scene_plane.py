@@ -14,7 +14,7 @@ there, until another one turns off (planar_model.py looks for it).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,15 @@ Floats = NDArray[np.float64]
 
 # Share of a vector that may point out of the plane: rounding of a turned base and of the normal.
 ROUNDING = 16.0 * float(np.finfo(float).eps)
+
+
+# What of a scene this module knows, or need not know; anything else may point anywhere.
+KNOWN = frozenset(
+    (
+        *("rods", "moments", "forces", "line_loads", "line_moments", "gravity", "magnets", "tendons"),
+        *("pressures", "joints", "solver", "stability", "title"),
+    )
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +186,10 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
     if scene.joints:
         cause = "scenes with joints are solved in space"
         return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, plane)
+    for field in fields(scene):
+        if field.name not in KNOWN and getattr(scene, field.name):
+            cause = "nothing is known of its mirror image"
+            return _message(field.name, f"the scene lists {field.name}", cause, plane)
     shares = directions.leave(plane)
     if np.max(shares) > ROUNDING:
         first = int(np.argmax(shares > ROUNDING))

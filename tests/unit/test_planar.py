@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import ancf
+from ancf import scene_plane
+from ancf.effects.tendon import PulledTendon
 from ancf.elements import ELEMENTS
 from ancf.errors import Message
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
@@ -411,6 +413,25 @@ def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
     plane = find(scene(rod, forces=(Force("arm", 1.0, along + off * aside),)))
     if off > 1e-14:  # below, rounding has the last word on which plane it is
         assert abs(plane.normal @ aside) < 1e-15 / off
+
+
+def test_effects_that_the_plane_does_not_know_are_solved_in_space(monkeypatch: pytest.MonkeyPatch):
+    """As if contact had come and nobody had thought of its mirror image."""
+    monkeypatch.setattr(scene_plane, "KNOWN", scene_plane.KNOWN - {"gravity"})
+    one = scene(arm(), gravity=Gravity(np.array([0.0, -1.0, 0.0])))
+    found = find_plane(one)
+    assert isinstance(found, Message) and found.where == "gravity"
+    assert not is_planar(ancf.solve(one))
+
+
+def test_effects_are_asked_for_their_potential(monkeypatch: pytest.MonkeyPatch):
+    """As if a tendon rubbed in its sheath: known to be in the plane, but no longer conservative."""
+    one = scene(arm(), **LOADS["tendon"])
+    assert any(sentence.startswith("symmetric") for sentence in ancf.solve(one).reductions)
+    monkeypatch.setattr(PulledTendon, "potential", lambda self, e: None)
+    rubbing = ancf.solve(one)
+    assert is_planar(rubbing)
+    assert not any(sentence.startswith("symmetric") for sentence in rubbing.reductions)
 
 
 def test_zero_loads_are_in_every_plane():
