@@ -1,4 +1,4 @@
-"""Banded matrices: assembly from dense blocks and LU with pivoting, at a cost linear in the elements.
+"""Banded matrices: assembly from dense blocks, LU with pivoting, Cholesky; cost linear in the elements.
 
 A rod couples only unknowns of one element, so with the nodes in order the tangent has a fixed half bandwidth
 and LAPACK's band LU (dgbtrf) solves it in O(n b^2).
@@ -21,7 +21,7 @@ from scipy.linalg import get_lapack_funcs
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_gbtrf, _gbtrs, _pbtrf = get_lapack_funcs(("gbtrf", "gbtrs", "pbtrf"), dtype=np.float64)
+_gbtrf, _gbtrs, _pbtrf, _pbtrs = get_lapack_funcs(("gbtrf", "gbtrs", "pbtrf", "pbtrs"), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,16 @@ class BandPattern:
         """The flat storage as LAPACK's ``ab`` (3 b + 1, n); a view."""
         return flat.reshape(self.n, 3 * self.b + 1).T
 
+    def blocks(self, flat: Floats, first: int, step: int, size: int, count: int) -> Floats:
+        """View (count, size, size) of the diagonal blocks at first, first + step, ... in the flat storage.
+
+        Where step < size, neighbouring blocks share entries.
+        """
+        column, item = 3 * self.b + 1, flat.itemsize
+        begin = flat[first * column + 2 * self.b :]
+        strides = (step * column * item, item, (column - 1) * item)
+        return np.lib.stride_tricks.as_strided(begin, (count, size, size), strides)
+
     @property
     def entries(self) -> int:
         """Length of the flat storage."""
@@ -54,7 +64,7 @@ class SingularMatrixError(ArithmeticError):
 
 
 class Factors(Protocol):
-    """LU factors of a tangent, band or sparse."""
+    """Factors of a tangent, band or sparse."""
 
     def solve(self, right: Floats, transposed: bool = False) -> Floats:
         """Solve for one right side (n,) or several (n, k), or with the transposed matrix."""
@@ -100,6 +110,36 @@ class BandLU:
         return 1 if (swaps + negative) % 2 == 0 else -1
 
 
+@dataclass(frozen=True)
+class BandCholesky:
+    """Cholesky factor of a symmetric positive definite band matrix, the lower triangle (b + 1, n)."""
+
+    lower: Floats
+
+    def solve(self, right: Floats, transposed: bool = False) -> Floats:
+        """See `Factors`."""
+        x, info = _pbtrs(self.lower, right, lower=1)
+        if info != 0:  # only an illegal argument: a bug of ours
+            raise RuntimeError(f"dpbtrs: info = {info}")
+        return x
+
+    @property
+    def log_determinant(self) -> float:
+        """Logarithm of the determinant."""
+        return 2.0 * float(np.sum(np.log(self.lower[0])))
+
+    @property
+    def determinant_sign(self) -> int:
+        """1: all eigenvalues are positive."""
+        return 1
+
+
+def cholesky(pattern: BandPattern, flat: Floats) -> BandCholesky | None:
+    """Cholesky factor of the symmetric matrix in flat band storage; None if it is not positive definite."""
+    lower, info = _pbtrf(pattern.banded(flat)[2 * pattern.b :], lower=1)
+    return BandCholesky(lower) if info == 0 else None
+
+
 def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
     """LU factors of the matrix in flat band storage, which they overwrite.
 
@@ -113,9 +153,7 @@ def factorise(pattern: BandPattern, flat: Floats) -> BandLU:
 
 def is_positive_definite(pattern: BandPattern, flat: Floats) -> bool:
     """Whether a symmetric matrix in flat band storage has positive eigenvalues only (Cholesky succeeds)."""
-    lower = pattern.banded(flat)[2 * pattern.b :]
-    _, info = _pbtrf(lower, lower=1)
-    return info == 0
+    return cholesky(pattern, flat) is not None
 
 
 @contextmanager

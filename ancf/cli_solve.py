@@ -94,6 +94,7 @@ def check(
 ) -> None:
     """Check a scene: its rods, the effects that will be simulated, the unknowns and the reductions chosen."""
     from ancf.io import result_text
+    from ancf.reductions import sentences
     from ancf.scene_file import load_scene
     from ancf.scene_materials import law_name
     from ancf.solver import prepare
@@ -108,7 +109,7 @@ def check(
         "effects": ["elastic", *_listed(loaded)],
         **_wanted(loaded, model),
         "unknowns": model.unknowns,
-        "reductions": [],
+        "reductions": sentences(model),
         "warnings": scene_warnings(model),
     }
     if json:
@@ -139,7 +140,8 @@ def check(
         console.print(f"  accuracy:   {found['accuracy']['wanted']:g} of the length at the tip")
         first = f" on the first mesh, of {sum(found['accuracy']['first_mesh'].values())} elements"
     console.print(f"  unknowns:   {found['unknowns']}{first}")
-    console.print(f"  reductions: {', '.join(found['reductions']) or 'none'}")
+    for sentence in found["reductions"] or ["none"]:
+        console.print(f"  reduction:  {sentence}")
     for warning in found["warnings"]:
         console.print(f"  warning:    {warning}")
 

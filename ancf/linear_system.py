@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ancf.band import BandPattern, Factors, factorise, is_positive_definite, negative_eigenvalues
+from ancf.band import BandPattern, Factors, cholesky, factorise, is_positive_definite, negative_eigenvalues
 from ancf.counters import Counters
 from ancf.supports import NodeSupport
 
@@ -31,6 +31,7 @@ class LinearSystem:
     pattern : band of the tangent
     supports : conditions on single nodes
     unit, force_unit : (n,) unit of each unknown and of its generalised force [SI]
+    symmetric : whether tangents are symmetric and Cholesky is tried before LU
     """
 
     def __init__(
@@ -40,12 +41,14 @@ class LinearSystem:
         unit: Floats,
         force_unit: Floats,
         counters: Counters,
+        symmetric: bool = False,
     ) -> None:
         self.pattern = pattern
         self.supports = supports
         self.unit = unit
         self.force_unit = force_unit
         self.counters = counters
+        self.symmetric = symmetric
 
     @cached_property
     def _scale(self) -> Floats:
@@ -89,9 +92,11 @@ class LinearSystem:
         return flat
 
     def factorise(self, flat: Floats) -> Factors:
-        """LU of the dimensionless, supported tangent; raises `SingularMatrixError`."""
+        """Factors of the dimensionless, supported tangent; raises `SingularMatrixError`."""
         with self.counters.solving():
-            return factorise(self.pattern, self.supported(flat))
+            supported = self.supported(flat)
+            factor = cholesky(self.pattern, supported) if self.symmetric else None
+            return factor or factorise(self.pattern, supported)
 
     def is_positive_definite(self, flat: Floats) -> bool:
         """Whether a symmetric tangent is positive definite on the motions that the supports allow."""

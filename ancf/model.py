@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.band import BandPattern
+from ancf.band import BandCholesky, BandPattern, Factors
 from ancf.counters import Counters
 from ancf.effect_assembly import EffectAssembly, add_blocks, load_effects
 from ancf.effects import Effect, blocks_of
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from ancf.joints import Joints
+    from ancf.scene_plane import Plane
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +56,12 @@ class Residual:
 
 
 class Model:
-    """All arrays of a scene. Kernels trust them; validation happened when the scene was read."""
+    """All arrays of a scene. Kernels trust them; validation happened when the scene was read.
+
+    plane : the plane to which motions are confined (planar_model.py); None: none
+    """
+
+    plane: Plane | None = None
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -262,6 +268,14 @@ class Model:
     def conservative(self) -> bool:
         """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum."""
         return self._effect_sums.potential(self.q0, 0.0) is not None
+
+    def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
+        """Whether an equilibrium q (n,) is a minimum of the potential, by its tangent and factors."""
+        return isinstance(factors, BandCholesky) or self.system.is_positive_definite(flat)
+
+    def determinant_sign(self, q: Floats, load_factor: float, factors: Factors) -> int:
+        """Sign of the determinant of the tangent at an equilibrium q (n,), by its factors."""
+        return factors.determinant_sign
 
     def admissible(self, q: Floats) -> Floats:
         """The coordinates (n,) nearest to q that the supports allow: a start may come from anywhere."""

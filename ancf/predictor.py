@@ -58,6 +58,10 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
         frames, axial_strain = None if spread else _frames_by_moments(rod, moments), None
         if loads.forces or actuation.any() or ((moments or spread) and frames is None):
             chain = _chain(rod)
+            if model.plane is not None:
+                from ancf.planar_start import in_plane
+
+                chain, loads = in_plane(chain, loads, model.plane)
             if actuation.any():
                 chain = replace(chain, k_0=chain.k_0 + actuation)
             starts = [chain.R_0] if frames is None else [chain.R_0, frames]

@@ -152,7 +152,7 @@ class Chain:
         Steps go downhill: the tangent is shifted until a step does positive work, by the trapezoidal rule
         over its ends. Loads need no potential for that; a large shift is a step of the overdamped motion.
         """
-        R, shift, raised = start, 0.0, False
+        R, shift, raised = self._state(start), 0.0, False
         g, parts = self._residual(R, loads)
         first = _size(g)
         # Relative to the load as well: on a column, the smallest push aside decides where it buckles.
@@ -162,11 +162,11 @@ class Chain:
                 return None
             if _size(g) <= close:
                 chord, n = parts[2], parts[3]
-                return R, np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
+                return self._frames(R), np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
             w = self._step(g, parts, loads, R, shift)
             # The comparison is false for a step that is not finite.
             if w is not None and _size(np.diff(w, axis=0)) <= LARGEST_SPIN:
-                turned = exp(w) @ R
+                turned = self._turned(R, w)
                 g_new, parts_new = self._residual(turned, loads)
                 if np.sum((g + g_new) * w) > 0.0:
                     R, g, parts = turned, g_new, parts_new
@@ -176,6 +176,18 @@ class Chain:
                     continue
             shift, raised = max(shift / EASED, self.unit / len(g)), True
         return None
+
+    def _state(self, frames: Floats) -> Floats:
+        """What the iteration turns: the frames themselves."""
+        return frames
+
+    def _frames(self, state: Floats) -> Floats:
+        """The frames of what the iteration turns."""
+        return state
+
+    def _turned(self, state: Floats, w: Floats) -> Floats:
+        """The state after spins w."""
+        return exp(w) @ state
 
     def _residual(self, R: Floats, loads: NodalLoads) -> tuple[Floats, tuple[Floats, ...]]:
         """Unbalanced moments (m + 1, 3), and of the intervals: middle frames, moments, chords, forces."""

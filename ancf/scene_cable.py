@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ancf.errors import SceneError
 from ancf.materials import SaintVenantKirchhoff
-from ancf.scene import Rod
+from ancf.scene import Rod, Scene
 from ancf.scene_materials import law_name
 from ancf.scene_table import Table, show
 
@@ -64,6 +65,21 @@ def check_cable(table: Table, rod: Rod, joined: bool) -> None:
             "a joint holds the rotation of a section or turns about its point, and a cable has no section",
             "hold the cable by `supports`, or " + ADVICE,
         )
+
+
+def could_be_cable(scene: Scene, rod: Rod) -> bool:
+    """Whether neither the rod nor a load on it calls for a section or torsion, so that a cable would do."""
+    on_sections = (*scene.moments, *scene.line_moments, *scene.magnets, *scene.tendons, *scene.pressures)
+    on_axis = (*scene.forces, *scene.line_loads)
+    levers = any(load.rod == rod.name and np.any(load.offset) for load in scene.forces)
+    turning = any(load.rod == rod.name and load.direction == "follower" for load in on_axis)
+    if rod.element == "cable" or levers or turning or any(load.rod == rod.name for load in on_sections):
+        return False
+    try:
+        check_cable(Table({}, "", ""), rod, any(rod.name in (p.rod for p in j.places) for j in scene.joints))
+    except SceneError:
+        return False
+    return True
 
 
 def refuse_on_cable(table: Table, rod: Rod, key: str, what: str, why: str) -> None:

@@ -162,6 +162,10 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "the paper's tangent is for rods; joints know their exact one only",
             'write tangent = "analytic", or leave the key away',
         )
+    if scene.solver.reduction == "planar":
+        from ancf.reductions import chosen
+
+        chosen(scene, where)
     return scene
 
 

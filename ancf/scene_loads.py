@@ -164,7 +164,7 @@ def read_solver(table: Table) -> SolverOptions:
         method=table.word("method", ("newton", "arclength"), defaults.method),
         tangent=table.word("tangent", ("analytic", "finite-difference"), defaults.tangent),
         predictor=table.word("predictor", ("auto", "none"), defaults.predictor),
-        reduction=table.word("reduction", ("auto", "full"), defaults.reduction, later=("planar",)),
+        reduction=table.word("reduction", ("auto", "full", "planar"), defaults.reduction),
         max_steps=table.whole("max_steps", 1, MOST_STEPS, defaults.max_steps),
         max_seconds=table.number("max_seconds", TIME, defaults.max_seconds, SECONDS),
         accuracy=accuracy,

@@ -208,7 +208,7 @@ class ProjectedTerm:
         S, D = self.shape.response(strain)
         dJ = C.J[..., None] * C.C_inv
         weighted = self.weight[:, None] * self.affine
-        dc = (weighted.T[:, :, None] * dJ[:, None]).reshape(len(gamma), 3, -1) @ self._rows
+        dc = (weighted.T[:, :, None] * dJ[:, None]).reshape(len(gamma), len(weighted.T), -1) @ self._rows
         stiffness = (weighted.T * curve[:, None]) @ self.affine
         return S + pressure[..., None] * dJ, D + pressure[..., None, None] * C.J_second, dc, stiffness
 

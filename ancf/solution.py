@@ -109,7 +109,7 @@ class Solution:
     history: list[Iteration]
     seconds: dict[str, float]
     effects: dict[str, dict[str, float]]
-    reductions: list[str] = field(default_factory=list)  # none in this version
+    reductions: list[str] = field(default_factory=list)  # a sentence each (reductions.py)
     path: list[PathPoint] = field(default_factory=list)  # equilibria on the way, where the path was followed
     stability: Stability | None = None  # where the scene asks for it or the path was followed
     accuracy: Accuracy | None = None  # where the scene asks for it

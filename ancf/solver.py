@@ -10,8 +10,8 @@ import numpy as np
 from ancf.errors import InputError, Message
 from ancf.failure import explain
 from ancf.model import Model
+from ancf.reductions import search
 from ancf.solution import Solution, Status
-from ancf.stepping import find_equilibrium
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -65,7 +65,8 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
 
     Notes
     -----
-    Newton with a band LU: cost linear in the number of elements. Paper section 2.4.
+    Newton on what the scene calls for (reductions.py) with band LU or Cholesky: cost linear in the number of
+    elements. Paper section 2.4.
     """
     if scene.solver.accuracy is not None:
         from ancf.accuracy import solve_to_accuracy
@@ -76,7 +77,7 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
     started = time.perf_counter()
     model = prepare(scene)
     setup = time.perf_counter() - started
-    trace = find_equilibrium(model, start)
+    trace, reductions = search(model, start)
     counters = model.counters
     stability = None
     if scene.stability is not None or trace.followed is not None:
@@ -108,5 +109,6 @@ def solve(scene: Scene, start: NDArray[np.float64] | None = None) -> Solution:
         },
         path=[] if trace.followed is None else trace.followed.points,
         stability=stability,
+        reductions=reductions,
         effects={n: {"calls": counters.calls[n], "seconds": counters.seconds[n]} for n in counters.calls},
     )

@@ -58,15 +58,17 @@ class Trace:
     followed: Followed | None = None  # the path, where it was followed
 
 
-def find_equilibrium(model: Model, start: Floats | None = None) -> Trace:
+def find_equilibrium(model: Model, start: Floats | None = None, deadline: float | None = None) -> Trace:
     """Equilibrium at the full load, or the last one on the way to it.
 
     Parameters
     ----------
     start : coordinates (n,) to begin from (a resumed state); Newton tries them before anything else
+    deadline : value of time.perf_counter(); None: `max_seconds` from now
     """
     options = model.scene.solver
-    deadline = time.perf_counter() + options.max_seconds
+    if deadline is None:
+        deadline = time.perf_counter() + options.max_seconds
     trace = Trace(Status.NOT_CONVERGED, model.q0)
     stability = model.scene.stability
     if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
@@ -135,10 +137,10 @@ def is_stable(model: Model, result: NewtonResult) -> bool | None:
         return None
     if model.conservative:
         try:
-            return model.system.is_positive_definite(result.flat)
+            return model.is_minimum(result.q, result.load_factor, result.lu, result.flat)
         except ArithmeticError:  # on a critical point itself
             return None
-    return False if result.lu.determinant_sign < 0 else None
+    return False if model.determinant_sign(result.q, result.load_factor, result.lu) < 0 else None
 
 
 def _follow(model: Model, trace: Trace, deadline: float) -> Trace:

@@ -32,7 +32,7 @@ def test_python_runs(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     solve, sweep, check = blocks("python")
     exec(compile(solve, "README.md", "exec"), {})
-    assert "2.5457" in capsys.readouterr().out
+    assert "0.25457" in capsys.readouterr().out
     exec(compile(sweep, "README.md", "exec"), {})
     assert capsys.readouterr().out.startswith("(1520, 3, 4)\n")
     exec(compile(check, "README.md", "exec"), {})

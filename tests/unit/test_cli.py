@@ -110,12 +110,16 @@ def test_check_lists_what_would_be_simulated(bent: Path, capsys: pytest.CaptureF
     found = json.loads(capsys.readouterr().out)
     assert found["effects"] == ["elastic", "moment"]
     assert found["unknowns"] == 8 * 18  # 17 nodes of 9 components, one clamped
-    assert found["reductions"] == []
+    assert found["reductions"] == [
+        "planar: rods and loads stay in the plane across (0, 0, 1), 80 of 144 unknowns are solved for",
+        "symmetric: on shapes in the plane the loads have a potential, Cholesky factors replace LU",
+    ]
     assert found["rods"]["rod"]["section"] == {"shape": "circle", "radius": 0.004}
     assert main(["check", str(bent)]) == 0
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "effects:    elastic, moment" in captured.err
+    assert "reduction:  planar: rods and loads stay in the plane" in captured.err
 
 
 def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

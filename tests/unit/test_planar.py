@@ -1,0 +1,472 @@
+"""Planar scenes on planar unknowns: the same answer, the same stability, and what leaves the plane."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ancf
+from ancf import scene_plane
+from ancf.effects.tendon import PulledTendon
+from ancf.elements import ELEMENTS
+from ancf.errors import Message
+from ancf.hyperelastic import MooneyRivlin, NeoHookean
+from ancf.materials import SaintVenantKirchhoff
+from ancf.mirror_system import Parity
+from ancf.mirror_unknowns import turned_vectors
+from ancf.model import Model
+from ancf.planar_model import PlanarModel
+from ancf.planar_start import in_plane
+from ancf.predictor import _chain as chain_of
+from ancf.reductions import chosen, has_potential, reduced
+from ancf.rod_start import nodal_loads
+from ancf.rotation import exp
+from ancf.scene import (
+    Force,
+    Frame,
+    Gravity,
+    LineLoad,
+    LineMoment,
+    Magnet,
+    Moment,
+    Pressure,
+    Rod,
+    Scene,
+    SolverOptions,
+    Support,
+    Tendon,
+)
+from ancf.scene_plane import Plane, find_plane, is_mirrored
+from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle
+from ancf.segments import Segment
+
+SOFT = SaintVenantKirchhoff(1e6, 0.3, 1000.0)
+EI = 1e6 * np.pi * 0.01**4 / 4
+LENGTH = 0.4
+FORCE, MOMENT = EI / LENGTH**2, EI / LENGTH
+OBLIQUE = exp(np.array([0.4, -0.7, 0.9]))
+
+
+def arm(**changes: Any) -> Rod:
+    return replace(Rod("arm", LENGTH, 6, Circle(0.01), SOFT), **changes)
+
+
+def scene(rod: Rod, **loads: Any) -> Scene:
+    return Scene((rod,), **{"forces": (Force("arm", 1.0, np.array([0.2, 3.0, 0.0]) * FORCE),), **loads})
+
+
+def both(one: Scene) -> tuple[ancf.Solution, ancf.Solution]:
+    """Solved with reductions and without."""
+    full = replace(one, solver=replace(one.solver, reduction="full"))
+    return ancf.solve(one), ancf.solve(full)
+
+
+def distance(a: ancf.Solution, b: ancf.Solution) -> float:
+    return a.model.largest_motion(a.q - b.q)
+
+
+def is_planar(solution: ancf.Solution) -> bool:
+    return any(sentence.startswith("planar:") for sentence in solution.reductions)
+
+
+def moved(one: Scene, turn: np.ndarray) -> Scene:
+    """A scene of one rod and one force, turned in space."""
+    rod, force = one.rods[0], one.forces[0]
+    base = Frame(turn @ rod.base.position, turn @ rod.base.rotation)
+    return replace(one, rods=(replace(rod, base=base),), forces=(replace(force, value=turn @ force.value),))
+
+
+TRAPEZIUM = Polygon(((-0.01, -0.006), (0.01, -0.003), (0.01, 0.003), (-0.01, 0.006)))
+RODS = {
+    **{f"{name} {formulation}": arm(element=name, formulation=formulation)
+       for name, element in ELEMENTS.items() for formulation in element.formulations},
+    "full rule": arm(axial_rule="full"),
+    "rectangle": arm(section=Rectangle(0.02, 0.01)),
+    "trapezium": arm(section=TRAPEZIUM),
+    "shear factors": arm(shear_factors=(0.8, 0.9)),
+    "curved": arm(curvature=np.array([0.0, 0.0, 3.0])),
+    "rubber": arm(material=NeoHookean(1e6, 0.45)),
+    "curved rubber": arm(material=MooneyRivlin(1.2e5, 5e4, 2e6), curvature=np.array([0.0, 0.0, -2.0])),
+    "quadratic rubber": arm(element="3363", material=NeoHookean(1e6, 0.45), elements=3),
+    "free section": arm(supports=(Support(0.0, "free_section_clamp"),)),
+    "taper": Rod.of_segments("arm", (Segment(LENGTH, 6, Circle(0.012), SOFT, Circle(0.008)),)),
+    "two materials": Rod.of_segments(
+        "arm", (Segment(0.2, 3, Circle(0.01), SOFT), Segment(0.2, 2, Circle(0.01), NeoHookean(2e6, 0.4)))
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", RODS)
+@pytest.mark.parametrize("way", ["along z", "along y", "turned"])
+def test_rods_bend_in_the_plane_as_they_do_in_space(name: str, way: str):
+    """The normal along z, then along y of the section, then the first in a plane that is none of the axes."""
+    rod = RODS[name]
+    if way == "along y":
+        if np.any(rod.curvature) or isinstance(rod.section, Polygon):
+            rod = replace(rod, base=Frame(np.zeros(3), np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]).T))
+        one = scene(rod, forces=(Force("arm", 1.0, np.array([0.2, 0.0, 3.0]) * FORCE),))
+        if rod.base.rotation[1, 1] != 1.0:
+            one = scene(rod, forces=(Force("arm", 1.0, np.array([0.2, 0.0, 3.0]) * FORCE),))
+    else:
+        one = scene(rod)
+    if way == "turned":
+        one = moved(one, OBLIQUE)
+    planar, full = both(one)
+    assert is_planar(planar) and not full.reductions
+    assert planar.status == full.status == "converged"
+    assert planar.stable is full.stable is True
+    assert planar.iterations == full.iterations
+    assert distance(planar, full) < 1e-12
+
+
+@pytest.mark.parametrize("name", ["3333", "3243", "3363", "cable"])
+@pytest.mark.parametrize("angle", [0.3, 2.2])
+def test_round_rods_have_a_plane_in_every_direction(name: str, angle: float):
+    one = scene(arm(element=name), forces=(
+        Force("arm", 1.0, 3.0 * FORCE * np.array([0.0, np.cos(angle), np.sin(angle)])),
+    ))  # fmt: skip
+    planar, full = both(one)
+    assert is_planar(planar)
+    assert distance(planar, full) < 1e-12
+
+
+LOADS: dict[str, dict[str, Any]] = {
+    "moment": {"moments": (Moment("arm", 1.0, np.array([0, 0, 2.0]) * MOMENT),)},
+    "vorticity": {"moments": (Moment("arm", 1.0, np.array([0, 0, 2.0]) * MOMENT, "fixed", "vorticity"),)},
+    "follower moment": {"moments": (Moment("arm", 0.7, np.array([0, 0, 2.0]) * MOMENT, "follower"),)},
+    "lever": {"forces": (Force("arm", 1.0, np.array([1.0, 2, 0]) * FORCE, np.array([0.008, 0.0])),)},
+    "follower": {"forces": (Force("arm", 0.8, np.array([0.0, 2, 0]) * FORCE, direction="follower"),)},
+    "line load": {"line_loads": (LineLoad("arm", np.array([0.0, 3, 0]) * FORCE / LENGTH),)},
+    "follower line load": {
+        "line_loads": (LineLoad("arm", np.array([0.0, 3, 0]) * FORCE / LENGTH, "follower"),)
+    },
+    "line moment": {"line_moments": (LineMoment("arm", np.array([0.0, 0, 2]) * MOMENT / LENGTH),)},
+    "weight": {"gravity": Gravity(np.array([1.0, -2.0, 0.0]))},
+    "magnet": {"magnets": (Magnet("arm", np.array([0.1, 0.02, 0]), np.array([0.01, 0.06, 0])),)},
+    "tendon": {"tendons": (Tendon("arm", 1.0, np.array([[0.0, 0.006, 0], [0.6, 0.006, 0], [1, 0, 0]])),)},
+    "chamber": {"pressures": (Pressure("arm", 2e4, np.array([0.004, 0.0]), 0.003, 0.2, 0.9),)},
+}
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("name", ["3333", "3363"])
+def test_loads_in_the_plane_do_what_they_do_in_space(load: str, name: str):
+    one = scene(arm(element=name), **{"forces": (), **LOADS[load]})
+    planar, full = both(one)
+    assert is_planar(planar)
+    assert planar.status == full.status == "converged"
+    assert planar.stable is full.stable
+    assert planar.iterations == full.iterations
+    assert distance(planar, full) < 1e-12
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_tangents_are_the_two_blocks_of_the_full_one(load: str):
+    """F^T K F of both parities, and nothing between them; at a shape in the plane that is no equilibrium."""
+    one = scene(arm(elements=3), **{"forces": (), **LOADS[load]})
+    model = Model(one)
+    planar = reduced(model, chosen(one))
+    assert isinstance(planar, PlanarModel)
+    rng = np.random.default_rng(3)
+    sides = [planar.in_plane, planar.across]
+    u = sides[0].of(model.q0) + 0.03 * sides[0].system.unit * rng.uniform(-1, 1, sides[0].n)
+    before = u + 0.01 * sides[0].system.unit * rng.uniform(-1, 1, sides[0].n)
+    q, q_before = sides[0].to_full(u), sides[0].to_full(before)
+    full = dense(model, model.residual_and_tangent(q, 0.7, q_before)[1])
+    forces, flat = planar.residual_and_tangent(q, 0.7, q_before)
+    F, G = (np.column_stack([side.to_full(row) for row in np.eye(side.n)]) for side in sides)
+    scale = np.outer(model.force_unit, 1.0 / model.unit)
+    mixed = F.T @ (full / scale) @ G
+    assert np.abs(mixed).max() < 1e-12 * np.abs(full / scale).max()
+    np.testing.assert_allclose(
+        dense_of(sides[0], flat), F.T @ full @ F, rtol=0, atol=1e-13 * np.abs(F.T @ full @ F).max()
+    )
+    here = dense(model, model.residual_and_tangent(q, 0.7)[1])
+    np.testing.assert_allclose(
+        dense_of(sides[1], planar.across_tangent(q, 0.7)), G.T @ here @ G, rtol=0,
+        atol=1e-13 * np.abs(G.T @ here @ G).max(),
+    )  # fmt: skip
+    exact = model.residual(q)
+    for mine, its in ((forces.Q_int, exact.Q_int), (forces.Q_ext, exact.Q_ext)):
+        np.testing.assert_allclose(mine, its, rtol=0, atol=1e-13 * np.abs(its).max())
+    symmetric = F.T @ full @ F
+    if has_potential(one, find(one)):
+        assert np.abs(symmetric - symmetric.T).max() < 1e-13 * np.abs(symmetric).max()
+    else:
+        assert load in ("vorticity", "follower", "follower line load")
+
+
+def dense(model: Model, flat: np.ndarray) -> np.ndarray:
+    return from_band(model.pattern.banded(flat), model.pattern.b)
+
+
+def dense_of(side: Parity, flat: np.ndarray) -> np.ndarray:
+    return from_band(side.pattern.banded(flat), side.pattern.b)
+
+
+def from_band(band: np.ndarray, b: int) -> np.ndarray:
+    n = band.shape[1]
+    K = np.zeros((n, n))
+    for j in range(n):
+        for i in range(max(0, j - b), min(n, j + b + 1)):
+            K[i, j] = band[2 * b + i - j, j]
+    return K
+
+
+def find(one: Scene) -> Plane:
+    plane = find_plane(one)
+    assert isinstance(plane, Plane), str(plane)
+    return plane
+
+
+def test_rods_of_several_elements_share_a_plane():
+    """One turned in the plane and standing beside it, one with the normal along y of its section."""
+    turned = exp(np.array([0.0, 0.0, 1.1]))
+    other = Frame(np.array([0.1, 0.2, 0.3]), turned @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
+    rods = (arm(), arm(name="other", element="3243", section=Rectangle(0.02, 0.01), base=other), arm(
+        name="third", element="cable", supports=(Support(0.0, "clamp"), Support(1.0, "pin"))
+    ))  # fmt: skip
+    loads = (
+        LineLoad("other", np.array([2.0, 1, 0]) * FORCE / LENGTH),
+        LineLoad("third", np.array([0, 9.0, 0])),
+    )
+    planar, full = both(Scene(rods, forces=scene(arm()).forces, line_loads=loads))
+    assert is_planar(planar) and planar.status == full.status == "converged"
+    assert planar.stable is full.stable is True
+    assert distance(planar, full) < 1e-12
+    # 12 nodes of 5 of 9, 6 of 7 of 12, 6 of 4 of 6 less the pin
+    assert "124 of 213 unknowns" in planar.reductions[0]
+
+
+def test_load_steps_in_the_plane_are_those_in_space():
+    one = scene(arm(), solver=SolverOptions(predictor="none"))
+    planar, full = both(one)
+    assert is_planar(planar) and planar.steps == full.steps > 1
+    assert planar.history[-1].iteration == full.history[-1].iteration
+    assert distance(planar, full) < 1e-12
+
+
+@pytest.mark.parametrize("load", ["lever", "line load", "line moment"])
+def test_steps_of_the_planar_chain_are_newtons(load: str):
+    """The change of the unbalanced moments along a step undoes them, in first order of its size."""
+    one = scene(arm(curvature=np.array([0.0, 0.0, 2.0])), **{"forces": (), **LOADS[load]})
+    rod = Model(one).rods[0]
+    chain, loads = in_plane(chain_of(rod), nodal_loads(one, rod), find(one))
+    # Arms as long as the rod, or their couple would be lost beside its stiffness.
+    loads = replace(loads, levers=[(node, 50.0 * arm, F) for node, arm, F in loads.levers])
+    angles = chain._state(chain.R_0) + 0.3 * np.sin(np.arange(len(chain.R_0)))
+    angles[0] = chain._state(chain.R_0)[0]
+    g, parts = chain._residual(angles, loads)
+    # A moment of next to nothing: with dead forces alone a step from a shape that is no minimum is refused.
+    loads = replace(loads, turning_moment=loads.turning_moment + 1e-300)
+    w = chain._step(g, parts, loads, angles, 0.0)
+    assert w is not None
+    small = 1e-6 / np.abs(w).max()
+    ahead, behind = (chain._residual(angles + sign * small * w[:, 0], loads)[0] for sign in (1.0, -1.0))
+    change = (ahead - behind) / (2.0 * small)
+    # sinc, by which a chord is shorter than its arc, is taken as it stands.
+    np.testing.assert_allclose(change, -g, atol=2e-2 * np.abs(g).max())
+
+
+def strip(share: float, **options: Any) -> Scene:
+    """A cantilever strip, 2 mm thick and 40 mm high, under a share of its lateral buckling load, in plane.
+
+    4.012599344 sqrt(EI GJ)/L^2 (Timoshenko, Gere 1961, art. 6.3), J of linear sections: int (y^2 + z^2) dA.
+    """
+    height, thickness = 0.04, 0.002
+    rod = Rod("arm", 0.5, 8, Rectangle(height, thickness), SaintVenantKirchhoff(1e9, 0.0))
+    second = thickness**3 * height / 12
+    torsion = second + height**3 * thickness / 12
+    load = 4.012599344 * np.sqrt(1e9 * second * 0.5e9 * torsion) / 0.5**2
+    forces = (Force("arm", 1.0, np.array([0.0, share * load, 0.0])),)
+    return Scene((rod,), forces=forces, solver=SolverOptions(**options))
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.5, True), (2.0, False)])
+def test_a_strip_that_buckles_sideways_is_unstable(share: float, stable: bool):
+    """In the plane it is an equilibrium below and above the critical load: only the other block knows."""
+    planar, full = both(strip(share))
+    assert planar.status == full.status == "converged"
+    assert planar.stable is full.stable is stable
+    assert is_planar(planar) is stable  # the full model decides where the rod would leave the plane
+    assert distance(planar, full) < 1e-10
+    assert any("unstable" in text for text in planar.warnings) is not stable
+    forced = ancf.solve(strip(share, reduction="planar"))
+    assert forced.status == "converged" and is_planar(forced)
+    assert forced.stable is stable
+    assert np.all(forced.nodes()[:, 2] == 0.0)
+
+
+def test_without_a_potential_the_determinant_out_of_the_plane_counts():
+    """A moment that does next to nothing leaves the sign of the determinant only, and it is negative."""
+    height = strip(2.0).forces[0].value[1]
+    moments = (Moment("arm", 1.0, np.array([0.0, 0.0, 1e-6 * height])),)
+    for share, stable in ((0.5, None), (2.0, False)):
+        planar, full = both(replace(strip(share), moments=moments))
+        assert planar.status == full.status == "converged"
+        assert planar.stable is full.stable is stable
+        assert is_planar(planar) is (stable is None)
+        forced = ancf.solve(replace(strip(share, reduction="planar"), moments=moments))
+        assert is_planar(forced) and forced.stable is stable
+
+
+@pytest.mark.parametrize("reduction", ["auto", "full"])
+def test_a_start_out_of_the_plane_is_followed_there(reduction: str):
+    one = strip(2.0)
+    tilted = np.array([[1.0, 0, 0], [0, 1, 0.01], [0, 0, 1]])
+    lateral = replace(one.forces[0], value=one.forces[0].value @ tilted)
+    buckled = ancf.solve(replace(one, forces=(lateral,)))
+    again = ancf.solve(replace(one, solver=SolverOptions(reduction=reduction)), start=buckled.q)
+    assert again.status == "converged" and again.stable
+    assert np.abs(again.nodes()[:, 2]).max() > 0.01
+    assert not is_planar(again)
+
+
+def test_a_start_decides_whether_the_plane_will_do():
+    one = scene(arm())
+    first = ancf.solve(one)
+    aside = first.q.copy().reshape(-1, 3)
+    aside[-2, 2] += 1e-9  # z of r_y at the tip
+    assert is_planar(ancf.solve(one, start=first.q))
+    assert not is_planar(ancf.solve(one, start=aside.ravel()))
+
+
+def test_full_is_lu_on_all_unknowns():
+    _, full = both(scene(arm()))
+    assert full.reductions == []
+    assert type(full.model) is Model
+
+
+def test_oblique_loads_are_symmetric_only():
+    one = scene(arm(section=Rectangle(0.02, 0.01)), gravity=Gravity(np.array([0.0, 0.0, 1.0])))
+    lean, full = both(one)
+    assert [s.split(":")[0] for s in lean.reductions] == ["symmetric"]
+    assert lean.stable is full.stable is True
+    assert distance(lean, full) < 1e-12
+    twisted = replace(one, moments=(Moment("arm", 1.0, np.array([1.0, 0, 0]) * MOMENT),))
+    assert ancf.solve(twisted).reductions == []
+    spread = replace(one, line_moments=(LineMoment("arm", np.array([1.0, 0, 0]) * MOMENT),))
+    assert ancf.solve(spread).reductions == []
+
+
+def test_a_cable_is_proposed_where_nothing_needs_sections():
+    """What it leaves out, shear: 3 E I/(G A L^2) of a cantilever's deflection (Timoshenko's beam)."""
+    proposed = ancf.solve(scene(arm())).reductions[-1]
+    assert proposed.startswith("cable, on request") and 'element = "cable"' in proposed
+    assert "some 0.001 of" in proposed  # 3 (R/(2 L))^2 2 (1 + nu) = 1.2e-3
+    for one in (
+        scene(arm(element="cable")),
+        scene(arm(section=Rectangle(0.02, 0.01))),
+        scene(arm(curvature=np.array([0.0, 0.0, 1.0]))),
+        *(
+            scene(arm(), **LOADS[load])
+            for load in ("moment", "lever", "follower", "tendon", "chamber", "magnet")
+        ),
+    ):
+        assert not any(sentence.startswith("cable") for sentence in ancf.solve(one).reductions)
+    assert ancf.solve(replace(scene(arm()), solver=SolverOptions(reduction="full"))).reductions == []
+
+
+LEAVING = {
+    "force[0]": scene(arm(), moments=(Moment("arm", 1.0, np.array([0, 0, MOMENT])),),
+                      forces=(Force("arm", 1.0, np.array([0, 1.0, 0.5])),)),
+    "moment[1]": scene(arm(), moments=(Moment("arm", 0.5, np.array([0, 0, MOMENT])),
+                                       Moment("arm", 1.0, np.array([MOMENT, 0, 0])))),
+    "force[0].offset": scene(
+        arm(), forces=(Force("arm", 1.0, np.array([0, 1.0, 0]), np.array([0.0, 0.005])),)),
+    "rod[0].curvature": scene(arm(curvature=np.array([1.0, 0, 0]))),
+    "rod[0].section": scene(arm(section=Rectangle(0.02, 0.01)),
+                            forces=(Force("arm", 1.0, np.array([0, 1.0, 1.0])),)),
+    "rod[1].base": Scene((
+        arm(curvature=np.array([0, 0, 1.0])),
+        arm(name="other", base=Frame(np.zeros(3), np.eye(3)[:, [2, 0, 1]]))
+    )),
+    "gravity": scene(arm(), gravity=Gravity(np.array([0, 0, -9.81]))),
+    "tendon[0].path": scene(
+        arm(), tendons=(Tendon("arm", 1.0, np.array([[0, 0, 0.005], [1, 0, 0.005]])),)),
+    "pressure[0].chamber": scene(arm(), pressures=(Pressure("arm", 1e4, np.array([0, 0.004]), 0.003),)),
+    "magnet[0].field": scene(
+        arm(), magnets=(Magnet("arm", np.array([0.1, 0, 0]), np.array([0.0, 0, 0.1])),)),
+    "line_load[0]": scene(arm(), line_loads=(LineLoad("arm", np.array([0, 0, 0.1])),)),
+    "line_moment[0]": scene(arm(), line_moments=(LineMoment("arm", np.array([0.01, 0, 0])),)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("where", LEAVING)
+def test_planar_names_what_leaves_the_plane(where: str):
+    found = find_plane(LEAVING[where])
+    assert isinstance(found, Message)
+    assert found.what == "The scene is not planar."
+    assert found.where == where
+    assert 'reduction = "auto"' in found.advice
+    with pytest.raises(ancf.SceneError, match="not planar"):
+        ancf.solve(replace(LEAVING[where], solver=SolverOptions(reduction="planar")))
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-7, 1e-11, 1e-15, 1e-40])
+def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
+    along, aside = OBLIQUE[:, 0], OBLIQUE @ [0.0, 0.6, 0.8]
+    rod = arm(base=Frame(np.zeros(3), OBLIQUE))
+    plane = find(scene(rod, forces=(Force("arm", 1.0, along + off * aside),)))
+    if off > 1e-14:  # below, rounding has the last word on which plane it is
+        assert abs(plane.normal @ aside) < 1e-15 / off
+
+
+def test_effects_that_the_plane_does_not_know_are_solved_in_space(monkeypatch: pytest.MonkeyPatch):
+    """As if contact had come and nobody had thought of its mirror image."""
+    monkeypatch.setattr(scene_plane, "KNOWN", scene_plane.KNOWN - {"gravity"})
+    one = scene(arm(), gravity=Gravity(np.array([0.0, -1.0, 0.0])))
+    found = find_plane(one)
+    assert isinstance(found, Message) and found.where == "gravity"
+    assert not is_planar(ancf.solve(one))
+
+
+def test_effects_are_asked_for_their_potential(monkeypatch: pytest.MonkeyPatch):
+    """As if a tendon rubbed in its sheath: known to be in the plane, but no longer conservative."""
+    one = scene(arm(), **LOADS["tendon"])
+    assert any(sentence.startswith("symmetric") for sentence in ancf.solve(one).reductions)
+    monkeypatch.setattr(PulledTendon, "potential", lambda self, e: None)
+    rubbing = ancf.solve(one)
+    assert is_planar(rubbing)
+    assert not any(sentence.startswith("symmetric") for sentence in rubbing.reductions)
+
+
+def test_zero_loads_are_in_every_plane():
+    one = scene(arm(), moments=(Moment("arm", 1.0, np.zeros(3)),), gravity=Gravity(np.zeros(3)))
+    assert has_potential(one, find(one))
+    np.testing.assert_array_equal(find(one).normal, [0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("section", "planes"),
+    [
+        (Circle(1.0), (True, True, True)),
+        (Annulus(1.0, 0.5), (True, True, True)),
+        (Ellipse(1.0, 0.5), (True, True, False)),
+        (Rectangle(1.0, 0.5), (True, True, False)),
+        (Polygon(((0, 0), (1, 0), (1, 1), (0, 1))), (True, True, True)),  # a square: its diagonals as well
+        (TRAPEZIUM, (False, True, False)),
+        (Polygon(((0, 0), (2, 0), (0, 1))), (False, False, False)),
+    ],
+)  # fmt: skip
+def test_mirror_images_of_sections(section: Any, planes: tuple[bool, bool, bool]):
+    half = np.sqrt(0.5)
+    normals = ((1.0, 0.0), (0.0, 1.0), (half, half))
+    assert tuple(is_mirrored(section, normal) for normal in normals) == planes
+
+
+def test_turned_vectors_are_derivatives_along_turned_axes():
+    """Of f = y^2 z + 3 y z + z^2 - 2 y at the origin, by differentiating along the turned axes twice."""
+    element = ELEMENTS["3363"]
+    c, s = np.cos(0.6), np.sin(0.6)
+    by_axes = dict(zip(element.vectors, np.zeros(6), strict=True))
+    by_axes |= {(0, 1, 0): -2.0, (0, 0, 1): 0.0, (0, 1, 1): 3.0, (0, 0, 2): 2.0}
+    values = turned_vectors(element, c, s) @ np.array(list(by_axes.values()))
+    gradient, hessian = np.array([-2.0, 0.0]), np.array([[0.0, 3.0], [3.0, 2.0]])
+    a, b = np.array([c, s]), np.array([-s, c])
+    expected = {(0, 0, 0): 0.0, (0, 1, 0): a @ gradient, (0, 0, 1): b @ gradient}
+    expected |= {(0, 2, 0): a @ hessian @ a, (0, 1, 1): a @ hessian @ b, (0, 0, 2): b @ hessian @ b}
+    np.testing.assert_allclose(values, [expected[v] for v in element.vectors], atol=1e-15)
