@@ -46,8 +46,8 @@ class Resultant:
 class Balance:
     """Everything that acts on a structure, or on one rod of it, from outside.
 
-    `applied` has the effects by name, at their load factor; `reactions` what "supports", the "ground" (through
-    joints) and, on one rod, "joints" with other rods exert.
+    `applied` has the effects by name, at their load factor; `reactions` what "supports", the "ground"
+    (through joints) and, on one rod, "joints" with other rods exert.
     """
 
     applied: dict[str, Resultant]

@@ -11,15 +11,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NoReturn
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.batch_rows import BatchLoads, RowsResult, read_rows
+from ancf.batch_rows import BatchLoads, RowsResult, read_rows, refuse_batch
 from ancf.batch_starts import dear_starts, solve_in_waves
-from ancf.errors import InputError, Message
 from ancf.failure import explain
 from ancf.model import Model
 from ancf.scene import Scene
@@ -31,6 +29,7 @@ from ancf.stepping import find_equilibrium
 Floats = NDArray[np.float64]
 
 ENGINES = ("auto", "numpy", "fused")
+SEE = "see help(ancf.solve_batch)"
 
 _models: WeakKeyDictionary[Scene, dict[tuple[bool, ...], Model]] = WeakKeyDictionary()
 
@@ -163,15 +162,15 @@ def solve_batch(
 def _engine(model: Model, wanted: str) -> str:
     """The form to use; raises `InputError` when the one that is insisted on cannot take the scene."""
     if wanted not in ENGINES:
-        _refuse(
+        refuse_batch(
             "There is no such engine.",
             f"engine = {wanted!r}",
             f"one of {', '.join(ENGINES)}",
             "a misspelt name",
+            SEE,
         )
-    stability, options = model.scene.stability, model.scene.solver
-    follows = options.method == "arclength" or (stability is not None and stability.branch == "buckled")
-    if follows or model.joints is not None or options.tangent != "analytic":
+    scene = model.scene
+    if scene.follows_path or model.joints is not None or scene.solver.tangent != "analytic":
         refused = (
             "The scene follows a path, has joints or the finite-difference tangent: rows are solved alone."
         )
@@ -182,7 +181,9 @@ def _engine(model: Model, wanted: str) -> str:
         refused = "" if wanted == "numpy" else unsupported(model)
         form = "numpy" if wanted == "numpy" or refused else "fused"
     if wanted not in ("auto", form):
-        _refuse(f"The engine {wanted!r} cannot take this scene.", "engine", f"engine = {wanted!r}", refused)
+        refuse_batch(
+            f"The engine {wanted!r} cannot take this scene.", "engine", f"engine = {wanted!r}", refused, SEE
+        )
     return form
 
 
@@ -212,13 +213,9 @@ def _starts(start: ArrayLike, count: int, model: Model) -> Floats:
     """Starts (B, n), checked."""
     values = np.asarray(start, dtype=float)
     if values.shape not in ((model.n,), (count, model.n)) or not np.isfinite(values).all():
-        _refuse(
+        refuse_batch(
             "The start does not belong to this batch.", f"start, shape {values.shape}",
             f"must be ({model.n},) or ({count}, {model.n}), and finite",
-            "rows, elements or meshes differ from those of the state",
+            "rows, elements or meshes differ from those of the state", SEE,
         )  # fmt: skip
     return np.broadcast_to(values, (count, model.n))
-
-
-def _refuse(what: str, where: str, value: str, cause: str) -> NoReturn:
-    raise InputError(Message(what, f"solve_batch, {where}", value, cause, "see help(ancf.solve_batch)"))

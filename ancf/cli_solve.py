@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -282,6 +282,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "tendon": scene.tendons,
         "pressure": scene.pressures,
         "joint": scene.joints,
+        **{added.table: added.records for added in scene.added},
     }
     return {name: records for name, records in found.items() if records}
 
@@ -321,7 +322,9 @@ def _fields(record: Any) -> dict[str, Any]:
 
 
 def _fields_text(record: Any) -> str:
-    """Fields of a record in one line."""
+    """Fields of a record in one line; of another package's record what it prints."""
+    if not is_dataclass(record):
+        return str(record)
     return ", ".join(
         f"{key} = {value.tolist() if hasattr(value, 'tolist') else value}"
         for key, value in _fields(record).items()

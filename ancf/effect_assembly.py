@@ -43,6 +43,10 @@ def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     for attribute, name in EFFECT_MODULES.items():
         if getattr(scene, attribute):
             found += importlib.import_module(f"ancf.effects.{name}").build(scene, rods)
+    for added in scene.added:
+        from ancf.added_effects import build_added
+
+        found += build_added(added, scene, rods)
     return found
 
 
