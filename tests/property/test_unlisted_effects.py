@@ -1,7 +1,7 @@
-"""A scene simulates exactly the effects it lists: an effect of zero magnitude changes no bit of the answer, and
-one that is not listed is neither called, imported nor built.
+"""A scene simulates exactly the effects it lists: one of zero magnitude changes no bit of the answer, and one
+that is not listed is neither called, imported nor built.
 
-Every effect of `EFFECT_MODULES` has an entry in `ZERO`, or says in `EXCUSED` why it cannot be of zero magnitude.
+Every effect of `EFFECT_MODULES` has an entry in `ZERO`, or says in `EXCUSED` why it has no zero magnitude.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def test_only_what_is_listed_is_called(path):
 
 
 def test_what_is_not_listed_is_not_imported():
-    """In interpreters of their own: a scene of one effect imports that module and no other of ancf.effects."""
+    """In interpreters of their own: a scene of one effect imports its module and no other of ancf.effects."""
     code = """
 import sys, json
 import ancf
@@ -116,7 +116,7 @@ print(json.dumps(sorted(n.split(".")[-1] for n in sys.modules if n.startswith("a
 
 
 def test_what_is_not_listed_takes_no_memory():
-    """Not a byte of a solve comes from a module of an effect that the scene does not list, all being imported."""
+    """Not a byte of a solve comes from the module of an unlisted effect, all being imported."""
     for field in ZERO:
         table, zero = ZERO[field]
         ancf.solve(ancf.scene_from_dict({"rod": [ROD], table: zero}))
