@@ -90,7 +90,8 @@ def advise(scene: Scene, wanted: float | None = None) -> Advice:
     """
     from ancf.solver import solve
 
-    options = replace(scene.solver, max_seconds=min(scene.solver.max_seconds, SECONDS))
+    # In full: with one effect more or less a scene may reduce to other unknowns.
+    options = replace(scene.solver, max_seconds=min(scene.solver.max_seconds, SECONDS), reduction="full")
     # The branch counts here, modes do not.
     buckled = scene.stability is not None and scene.stability.branch == "buckled"
     stability = StabilityOptions(1, "buckled") if buckled else None
@@ -152,7 +153,7 @@ class _State:
         return trace.q - self.q if trace.status is Status.CONVERGED else None
 
     def first_step(self, other: Scene) -> Floats | None:
-        """dq (n,) of one Newton step; None where the tangent of the other scene is singular."""
+        """dq (n,) of one Newton step; None where the other scene's tangent is singular, or dq overflows."""
         model = Model(other)
         g = model.residual(self.q).at(1.0) - self.model.residual(self.q).at(1.0)
         try:
@@ -160,7 +161,8 @@ class _State:
             dq = model.system.solve(model.system.factorise(flat), -g)
         except (ArithmeticError, np.linalg.LinAlgError):
             return None
-        return dq if np.isfinite(dq).all() else None
+        size = dq / model.unit
+        return dq if np.isfinite(size @ size) else None
 
     def shifts(self, dq: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Shifts (nodes of all rods, 3) in the lengths of their rods, and which nodes are tips."""

@@ -169,6 +169,16 @@ def test_advice_from_the_reference_where_there_is_no_equilibrium():
     assert found.tip == pytest.approx(0.008 / 8, rel=0.01)  # q L^4/(8 E I)
 
 
+@pytest.mark.parametrize("size", [1e200, 1e300, 1e308])
+def test_loads_at_the_end_of_the_number_range(size):
+    """No number that is not finite; an effect without an estimate matters."""
+    rod = {"length": 0.4, "elements": 4, "section": {"shape": "circle", "radius": 0.01},
+           "material": {"young_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}}  # fmt: skip
+    advice = advise(ancf.scene_from_dict({"rod": [rod], "force": [{"value": [0, size, 0]}]}))
+    json.dumps(advice.as_dict(), allow_nan=False)
+    assert [influence.verdict for influence in advice.listed] == [MATTERS]
+
+
 def test_every_effect_is_asked_about():
     """Generic over EFFECT_MODULES: whatever a scene lists is left out once, by the name of its module."""
     scene = ancf.load_scene(ROOT / "examples/tendon-arm.toml")
