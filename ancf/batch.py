@@ -12,15 +12,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NoReturn
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.batch_rows import BatchLoads, RowsResult, read_rows
+from ancf.batch_rows import BatchLoads, RowsResult, read_rows, refuse_batch
 from ancf.batch_starts import dear_starts, solve_in_waves
-from ancf.errors import InputError, Message
 from ancf.failure import explain
 from ancf.model import Model
 from ancf.scene import Scene
@@ -35,6 +33,7 @@ ENGINES = ("auto", "numpy", "fused", "cuda")
 # Rows from which a GPU is looked for: one core of a CPU solves as many in about 3 s, and the kernel of the
 # GPU takes longer than that to compile once.
 LARGE = 100_000
+SEE = "see help(ancf.solve_batch)"
 
 _models: WeakKeyDictionary[Scene, dict[tuple[bool, ...], Model]] = WeakKeyDictionary()
 
@@ -170,15 +169,16 @@ def solve_batch(
 def _engine(model: Model, wanted: str, rows: int) -> str:
     """The form to use; raises `InputError` when the one that is insisted on cannot take the scene."""
     if wanted not in ENGINES:
-        _refuse(
+        refuse_batch(
             "There is no such engine.",
             f"engine = {wanted!r}",
             f"one of {', '.join(ENGINES)}",
             "a misspelt name",
+            SEE,
         )
-    stability, options = model.scene.stability, model.scene.solver
-    follows = options.method == "arclength" or (stability is not None and stability.branch == "buckled")
-    if follows or model.joints is not None or model.contacts or options.tangent != "analytic":
+    scene = model.scene
+    alone = scene.follows_path or model.joints is not None or model.contacts
+    if alone or scene.solver.tangent != "analytic":
         refused = (
             "The scene follows a path, has joints, contact or the finite-difference tangent: rows are solved"
             " alone."
@@ -193,7 +193,9 @@ def _engine(model: Model, wanted: str, rows: int) -> str:
             refused = no_gpu()
             form = "fused" if refused else "cuda"
     if wanted not in ("auto", form):
-        _refuse(f"The engine {wanted!r} cannot take this batch.", "engine", f"engine = {wanted!r}", refused)
+        refuse_batch(
+            f"The engine {wanted!r} cannot take this batch.", "engine", f"engine = {wanted!r}", refused, SEE
+        )
     return form
 
 
@@ -225,13 +227,9 @@ def _starts(start: ArrayLike, count: int, model: Model) -> Floats:
     """Starts (B, n), checked."""
     values = np.asarray(start, dtype=float)
     if values.shape not in ((model.n,), (count, model.n)) or not np.isfinite(values).all():
-        _refuse(
+        refuse_batch(
             "The start does not belong to this batch.", f"start, shape {values.shape}",
             f"must be ({model.n},) or ({count}, {model.n}), and finite",
-            "rows, elements or meshes differ from those of the state",
+            "rows, elements or meshes differ from those of the state", SEE,
         )  # fmt: skip
     return np.broadcast_to(values, (count, model.n))
-
-
-def _refuse(what: str, where: str, value: str, cause: str) -> NoReturn:
-    raise InputError(Message(what, f"solve_batch, {where}", value, cause, "see help(ancf.solve_batch)"))

@@ -10,7 +10,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ancf.errors import InputError, Message
+from ancf.errors import refuse
 from ancf.model import Model
 from ancf.scene import Force, Moment, Scene, Tendon
 
@@ -102,11 +102,11 @@ def read_rows(
     of_scene = {"moments": scene.moments, "forces": scene.forces, "tensions": scene.tendons}
     tables = {name: _values(name, v, of_scene[name]) for name, v in given.items() if v is not None}
     if not tables:
-        _refuse("The batch has no rows.", ", ".join(given), "none was given", "nothing to solve for")
+        refuse_batch("The batch has no rows.", ", ".join(given), "none was given", "nothing to solve for")
     counts = {name: len(table) for name, table in tables.items()}
     if len(set(counts.values())) > 1:
         text = ", ".join(f"{count} rows of {name}" for name, count in counts.items())
-        _refuse("The rows of the loads do not match.", ", ".join(counts), text, "each row is one sample")
+        refuse_batch("The rows of the loads do not match.", ", ".join(counts), text, "each row is one sample")
     rows = next(iter(counts.values()))
     filled = {}
     for name, loads in (("moments", scene.moments), ("forces", scene.forces)):
@@ -131,14 +131,14 @@ def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon
     """Values (B, k, 3) of the first k loads, as given, checked; of tensions (B, k, 1)."""
     kind, components = ("tendon", 1) if name == "tensions" else (name[:-1], 3)
     if not loads:
-        _refuse(
+        refuse_batch(
             f"The scene has no {kind} for the rows of a batch.", name, f"no [[{kind}]] in the scene",
             f"a batch varies the [[{kind}]] tables of its scene", f"add a [[{kind}]] with any value",
         )  # fmt: skip
     try:
         values = np.asarray(given, dtype=float)
     except (TypeError, ValueError) as error:
-        _refuse(
+        refuse_batch(
             f"The {name} of the batch are no numbers.", name, str(error), "rows of unequal length, or text"
         )
     shape = " or ".join(dict.fromkeys(("(B, 3)", f"(B, {len(loads)}, 3)")))
@@ -147,24 +147,24 @@ def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon
         values = values[..., None]
     values = values[:, None] if values.ndim == 2 else values
     if values.ndim != 3 or values.shape[-1] != components or values.shape[1] not in (1, len(loads)):
-        _refuse(
+        refuse_batch(
             f"The {name} of the batch have the wrong shape.", name,
             f"shape {np.shape(given)}, must be {shape}",
             f"one row a sample; {shape.split(' or ')[0]} are rows for the first {kind}",
             "add the axis of rows: values[None]",
         )  # fmt: skip
     if len(values) == 0:
-        _refuse("The batch has no rows.", name, f"shape {np.shape(given)}", "an empty table of loads")
+        refuse_batch("The batch has no rows.", name, f"shape {np.shape(given)}", "an empty table of loads")
     bad = np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))
     if len(bad):
-        _refuse(
+        refuse_batch(
             f"The {name} of the batch are not finite.", f"{name}[{bad[0]}]",
             f"{values[bad[0]].tolist()} in {len(bad)} of {len(values)} rows",
             "a division by zero or missing data where the rows were made", "remove these rows",
         )  # fmt: skip
     if components == 1 and values.min() < 0.0:
         row = int(np.argmin(values.min(axis=(1, 2))))
-        _refuse(
+        refuse_batch(
             "A tendon cannot push.", f"{name}[{row}]", f"tension {values[row].min():g} N, must be >= 0",
             "a sign, or a sweep that begins below zero", "take the tendon on the other side instead",
         )  # fmt: skip
@@ -182,7 +182,8 @@ def _with_values(scene: Scene, moments: Floats, forces: Floats, tensions: Floats
     )
 
 
-def _refuse(
+def refuse_batch(
     what: str, where: str, value: str, cause: str, advice: str = "give one row for each sample"
 ) -> NoReturn:
-    raise InputError(Message(what, f"solve_batch, {where}", value, cause, advice))
+    """Refuse what the caller of `solve_batch` gave."""
+    refuse(what, f"solve_batch, {where}", value, cause, advice)

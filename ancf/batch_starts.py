@@ -43,7 +43,11 @@ def dear_starts(model: Model) -> bool:
     """Whether the scene has more than moments, under which no start is known in closed form."""
     scene = model.scene
     acting = any(np.any(load.value) for load in (*scene.forces, *scene.line_loads, *scene.line_moments))
-    return acting or scene.held_on_the_way or bool(scene.gravity or scene.tendons or scene.pressures)
+    return (
+        acting
+        or scene.held_on_the_way
+        or bool(scene.gravity or scene.tendons or scene.pressures or scene.added)
+    )
 
 
 def _waves(count: int, dear: bool) -> Iterator[Indices]:

@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ancf.accuracy_record import Accuracy
+    from ancf.advice import Advice, Influence
     from ancf.model import Model
     from ancf.scene import Rod, Scene
     from ancf.segments import Segment
@@ -92,7 +93,10 @@ def check(
     scene: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene file.")],
     json: Json = False,
 ) -> None:
-    """Check a scene: its rods, the effects that will be simulated, the unknowns and the reductions chosen."""
+    """Check a scene: rods, effects that will be simulated, unknowns, reductions; advise on what could be left
+    out or is missing.
+    """
+    from ancf.advice import advise
     from ancf.io import result_text
     from ancf.reductions import sentences
     from ancf.scene_file import load_scene
@@ -112,10 +116,12 @@ def check(
         "reductions": sentences(model),
         "warnings": scene_warnings(model),
     }
+    with _progress(console := _console(), f"solving {scene} for advice", quiet=json):
+        advice = advise(model.scene, loaded.solver.accuracy)
+    found["advice"] = advice.as_dict()
     if json:
         print(result_text(found))
         return
-    console = _console()
     console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
     for rod in loaded.rods:
         held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports) or "no support"
@@ -144,6 +150,31 @@ def check(
         console.print(f"  reduction:  {sentence}")
     for warning in found["warnings"]:
         console.print(f"  warning:    {warning}")
+    for line in _advice_lines(advice):
+        console.print(f"  {line}", soft_wrap=True)
+
+
+def _advice_lines(advice: Advice) -> Iterator[str]:
+    """Numbers of each rod, and what each effect, listed or missing, does to the tip."""
+    for name, numbers in advice.numbers.items():
+        known = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items() if value is not None)
+        yield f"numbers:    {name}: {known}"
+    source = "" if advice.asked else " (default; [solver] accuracy sets it)"
+    yield f"advice:     at {advice.accuracy:g} of the length{source}, estimated at the {advice.state}"
+    words = {"negligible": "could be left out", "close": "too close to tell", "matters": "matters"}
+    for influence in advice.listed:
+        yield f"  {influence.effect}: {_shift_text(influence)}{words[influence.verdict]}"
+    words = {**words, "negligible": "is rightly left out", "matters": "would matter", "unknown": "unknown"}
+    for influence in advice.missing:
+        note = f" ({influence.note})" if influence.note else ""
+        yield f"  {influence.effect}, not listed: {_shift_text(influence)}{words[influence.verdict]}{note}"
+
+
+def _shift_text(influence: Influence) -> str:
+    if influence.tip is None or influence.largest is None:
+        return ""
+    elsewhere = "" if influence.largest < 1.1 * influence.tip else f", {influence.largest:.1e} L elsewhere"
+    return f"moves the tip by {influence.tip:.1e} L{elsewhere}: "
 
 
 def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
@@ -296,6 +327,7 @@ def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
         "foundation": scene.foundations,
         "contact": scene.contacts,
         "joint": scene.joints,
+        **{added.table: added.records for added in scene.added},
     }
     return {name: records for name, records in found.items() if records}
 
@@ -335,7 +367,9 @@ def _fields(record: Any) -> dict[str, Any]:
 
 
 def _fields_text(record: Any) -> str:
-    """Fields of a record in one line."""
+    """Fields of a record in one line; of another package's record what it prints."""
+    if not is_dataclass(record):
+        return str(record)
     return ", ".join(
         f"{key} = {value.tolist() if hasattr(value, 'tolist') else value}"
         for key, value in _fields(record).items()

@@ -33,6 +33,8 @@ class DistributedCouple(Effect):
         d0 = self.N @ model.e0[:, None]
         self.W = model.weights_at(xi, d0)
         self.weight = model.axial_weights[..., None]
+        # (n_el, nodal, points directors): sums over points and directors are one product.
+        self._to_nodes = np.moveaxis(self.N, 3, 1).reshape(len(self.N), self.N.shape[3], -1)
 
     @abstractmethod
     def couple(self, R: Floats) -> Floats:
@@ -46,7 +48,8 @@ class DistributedCouple(Effect):
         return section_rotation(self.N @ e[:, None], self.W)
 
     def _force(self, rotation: SectionRotation, m: Floats) -> Floats:
-        return np.einsum("epkn,epka->ena", self.N, rotation.couple(self.weight * m))
+        Q_d = rotation.couple(self.weight * m)
+        return self._to_nodes @ Q_d.reshape(len(Q_d), -1, 3)
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
@@ -63,10 +66,14 @@ class DistributedCouple(Effect):
         change = self.couple_change(rotation.R, m)
         dm = change if isinstance(change, float) else self.weight[..., None] * (change @ dw)
         K_d = rotation.couple_tangent(self.weight * m, dm, dw)
-        K_d = K_d.reshape(*places, directors, 3, directors, 3)
-        K = np.einsum("epkm,epkalc,epln->emanc", self.N, K_d, self.N, optimize=True)
+        count, points = places
         size = 3 * self.N.shape[-1]
-        return self._force(rotation, m), K.reshape(len(K), size, size)
+        # First the columns, component by component, then the rows.
+        K_d = np.moveaxis(K_d.reshape(count, points, 3 * directors, directors, 3), 4, 3)
+        right = K_d.reshape(count, points, 9 * directors, directors) @ self.N  # (.., directors 3 3, nodal)
+        right = right.reshape(count, points * directors, 3, 3, -1).swapaxes(3, 4)
+        K = self._to_nodes @ right.reshape(count, points * directors, -1)
+        return self._force(rotation, m), K.reshape(count, size, size)
 
 
 def turning(m: Floats) -> Floats:

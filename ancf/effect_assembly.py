@@ -39,6 +39,8 @@ EFFECT_MODULES = {
     "contacts": "contact",
 }
 
+RUN = 64  # blocks whose entries are added at once: what they touch of the band stays in the cache
+
 
 def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """The effects of a scene: what it does not list is neither imported nor built."""
@@ -46,6 +48,10 @@ def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     for attribute, name in EFFECT_MODULES.items():
         if getattr(scene, attribute):
             found += importlib.import_module(f"ancf.effects.{name}").build(scene, rods)
+    for added in scene.added:
+        from ancf.added_effects import build_added
+
+        found += build_added(added, scene, rods)
     return found
 
 
@@ -73,8 +79,7 @@ class EffectAssembly:
         self.unit = unit
         self.differences = differences
         self.counters = counters
-        none = np.empty(0, dtype=np.intp)
-        self.slots = [none if e.coupled else pattern.block_slots(e.dofs).ravel() for e in effects]
+        self.runs = [_runs(pattern, effect) for effect in effects]
 
     def of(self, effects: list[Effect]) -> EffectAssembly:
         """The same for effects that differ in their values only."""
@@ -94,9 +99,9 @@ class EffectAssembly:
     ) -> list[Floats]:
         """Add forces and tangents at q (n,) to the band `flat`; returns the entries of the coupled blocks."""
         coupled = []
-        for name, pairs in groupby(zip(self.effects, self.slots, strict=True), key=lambda pair: pair[0].name):
+        for name, pairs in groupby(zip(self.effects, self.runs, strict=True), key=lambda pair: pair[0].name):
             with self.counters.effect(name):
-                for effect, slots in pairs:
+                for effect, runs in pairs:
                     e = blocks_of(q, effect.dofs)
                     Q, K = effect.force_and_tangent(e)
                     _add(Q_int, Q_ext, effect, Q)
@@ -107,7 +112,9 @@ class EffectAssembly:
                         m, nd = effect.dofs.shape
                         coupled.append(np.zeros(m * nd * nd) if K is None else -share * K.ravel())
                     elif K is not None:
-                        np.subtract.at(flat, slots, share * K.ravel())
+                        for run, begin, places in runs:
+                            entries = np.bincount(places, K[run].ravel())
+                            flat[begin : begin + len(entries)] -= share * entries
         return coupled
 
     def potential(self, q: Floats, load_factor: float) -> float | None:
@@ -119,6 +126,17 @@ class EffectAssembly:
                 return None
             total += V if effect.passive else load_factor * V
         return total
+
+
+def _runs(pattern: BandPattern, effect: Effect) -> list[tuple[slice, int, Indices]]:
+    """Runs of the blocks of an effect: where each begins in the band, and the places of its entries there."""
+    found: list[tuple[slice, int, Indices]] = []
+    for first in range(0, 0 if effect.coupled else len(effect.dofs), RUN):
+        run = slice(first, first + RUN)
+        places = pattern.block_slots(effect.dofs[run]).ravel()
+        begin = int(places.min())
+        found.append((run, begin, places - begin))
+    return found
 
 
 def _add(Q_int: Floats, Q_ext: Floats, effect: Effect, Q: Floats) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NoReturn
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,11 @@ class InputError(ValueError):
     def __init__(self, message: Message) -> None:
         super().__init__(str(message))
         self.message = message
+
+
+def refuse(what: str, where: str, value: str, cause: str, advice: str) -> NoReturn:
+    """Raise an `InputError` of these five parts."""
+    raise InputError(Message(what, where, value, cause, advice))
 
 
 class SceneError(InputError):

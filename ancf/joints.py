@@ -83,6 +83,10 @@ class JointSection:
         used = np.any(self.point.N != 0.0, axis=0) | (self.shape != 0.0)
         return self.point.dofs[np.repeat(used, 3)]
 
+    def position(self, q: Floats) -> Floats:
+        """Position (3,) [m] at the model's coordinates q (n,), relative to the rod's base."""
+        return self.shape @ q[self.point.dofs].reshape(-1, 3)
+
     def rotation(self, e: Floats) -> SectionRotation:
         """Polar rotation against the reference, from the nodal vectors e (nodal, 3)."""
         return section_rotation(self.point.N @ e, self.point.W)

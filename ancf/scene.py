@@ -276,6 +276,15 @@ class Gravity:
     acceleration: NDArray[np.float64]
 
 
+@dataclass(frozen=True, eq=False)
+class AddedEffect:
+    """Records of a table that another package knows, and where its effect is (added_effects.py)."""
+
+    table: str
+    source: str  # "package.module" or "package.module:name"
+    records: tuple[Any, ...]
+
+
 @dataclass(frozen=True)
 class Place:
     """A section of a rod by its fraction of the reference length."""
@@ -352,9 +361,16 @@ class Scene:
     foundations: tuple[Foundation, ...] = ()
     contacts: tuple[Contact, ...] = ()
     joints: tuple[Joint, ...] = ()
+    added: tuple[AddedEffect, ...] = ()  # effects of other packages
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""
+
+    @property
+    def follows_path(self) -> bool:
+        """Whether the whole path of equilibria from the reference is wanted."""
+        buckled = self.stability is not None and self.stability.branch == "buckled"
+        return self.solver.method == "arclength" or buckled
 
     def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""

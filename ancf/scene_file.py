@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ancf.added_effects import brought_tables, read_added
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
@@ -117,7 +118,8 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         As `load_scene`.
     """
     table = Table(data, where)
-    table.expect_keys(SCENE_KEYS)
+    brought = brought_tables(table, SCENE_KEYS)
+    table.expect_keys((*SCENE_KEYS, *brought))
     entries = table.tables("rod")
     if not entries:
         table.refuse(
@@ -146,6 +148,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
         contacts=read_contacts(table, rods),
         joints=read_joints(table.tables("joint"), entries, rods),
+        added=read_added(table, brought, rods),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),

@@ -48,7 +48,7 @@ SECONDS = Limit(lambda v: v > 0.0, "> 0")
 def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
     """Read one `[[moment]]`."""
     table.expect_keys(("rod", "at", "value", "frame", "direction", "definition"))
-    rod = _rod_of(table, rods)
+    rod = rod_of(table, rods)
     why = "a moment turns a section, and a cable has none"
     refuse_on_cable(table, rod, "rod", "A cable carries no [[moment]].", why)
     return Moment(
@@ -64,7 +64,7 @@ def read_moment(table: Table, rods: Sequence[Rod]) -> Moment:
 def read_force(table: Table, rods: Sequence[Rod]) -> Force:
     """Read one `[[force]]`; its point of action is the axis or a point of the section."""
     table.expect_keys(("rod", "at", "offset", "value", "frame", "direction"))
-    rod = _rod_of(table, rods)
+    rod = rod_of(table, rods)
     at = table.number("at", NUMBER, 1.0, FRACTION)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
     if any(offset):
@@ -94,7 +94,7 @@ def read_force(table: Table, rods: Sequence[Rod]) -> Force:
 def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
     """Read one `[[line_load]]`."""
     table.expect_keys(("rod", "value", "frame", "direction"))
-    rod = _rod_of(table, rods)
+    rod = rod_of(table, rods)
     return LineLoad(
         rod=rod.name,
         value=_value(table, rod, FORCE_PER_LENGTH),
@@ -106,7 +106,7 @@ def read_line_load(table: Table, rods: Sequence[Rod]) -> LineLoad:
 def read_line_moment(table: Table, rods: Sequence[Rod]) -> LineMoment:
     """Read one `[[line_moment]]`."""
     table.expect_keys(("rod", "value", "frame", "direction"))
-    rod = _rod_of(table, rods)
+    rod = rod_of(table, rods)
     refuse_on_cable(table, rod, "rod", "A cable carries no moments.", "it has no sections to turn")
     return LineMoment(
         rod=rod.name,
@@ -119,7 +119,7 @@ def read_line_moment(table: Table, rods: Sequence[Rod]) -> LineMoment:
 def read_magnet(table: Table, rods: Sequence[Rod]) -> Magnet:
     """Read one `[[magnet]]`: remanence of the rod in its section axes, flux density of the field in SCS."""
     table.expect_keys(("rod", "remanence", "field"))
-    rod = _rod_of(table, rods)
+    rod = rod_of(table, rods)
     refuse_on_cable(table, rod, "rod", "A cable is no magnet.", "it has no sections that a couple could turn")
     remanence, field = (table.vector(key, 3, FLUX_DENSITY) for key in ("remanence", "field"))
     return Magnet(rod.name, remanence, field)
@@ -181,10 +181,10 @@ def read_stability(table: Table) -> StabilityOptions:
     )
 
 
-def _rod_of(table: Table, rods: Sequence[Rod]) -> Rod:
-    """Return the rod a load names, by default the first."""
+def rod_of(table: Table, rods: Sequence[Rod], what: str = "the load stands on") -> Rod:
+    """Return the rod a table names, by default the first; `what` is for the message."""
     names = [rod.name for rod in rods]
-    name = table.known("rod", names, "rod", "the load stands on a rod that the scene does not list")
+    name = table.known("rod", names, "rod", f"{what} a rod that the scene does not list")
     return rods[names.index(name)]
 
 

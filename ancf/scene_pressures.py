@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ancf.elements import ELEMENTS
 from ancf.scene import SAME_PLACE, Pressure, Rod
+from ancf.scene_cable import refuse_on_cable
+from ancf.scene_loads import rod_of
 from ancf.scene_table import FRACTION, REQUIRED, Limit, Table
 from ancf.sections import Annulus, Circle, Section
 from ancf.units import LENGTH, NUMBER, STRESS
@@ -19,17 +20,9 @@ OUTLINE = 48  # points on the wall of a chamber that must lie in the section
 def read_pressure(table: Table, rods: Sequence[Rod]) -> Pressure:
     """Read one `[[pressure]]`: its rod, its value and its chamber."""
     table.expect_keys(("rod", "value", "from", "to", "chamber"))
-    names = [rod.name for rod in rods]
-    name = table.known("rod", names, "rod", "the chamber lies in a rod that the scene does not list")
-    rod = rods[names.index(name)]
-    if {(1, 0), (0, 1)} - set(ELEMENTS[rod.element].directors):
-        table.refuse(
-            "rod",
-            f"A rod of element {rod.element} has no chamber.",
-            f'element = "{rod.element}" has no sections',
-            "pressure acts on the walls and end caps of a chamber in the sections",
-            'take element = "3333"',
-        )
+    rod = rod_of(table, rods, "the chamber lies in")
+    why = "pressure acts on the walls and end caps of a chamber in the sections"
+    refuse_on_cable(table, rod, "rod", "A cable has no chamber.", why)
     start, end = table.number("from", NUMBER, 0.0, FRACTION), table.number("to", NUMBER, 1.0, FRACTION)
     if end - start <= SAME_PLACE:
         table.refuse(
@@ -54,7 +47,7 @@ def read_pressure(table: Table, rods: Sequence[Rod]) -> Pressure:
                 "the radius is a diameter, or another unit",
                 "make the chamber smaller or move it towards the axis",
             )
-    return Pressure(name, table.number("value", STRESS), centre, radius, start, end)
+    return Pressure(rod.name, table.number("value", STRESS), centre, radius, start, end)
 
 
 def _holds(section: Section, centre: np.ndarray, radius: float) -> bool:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.elements import ELEMENTS
 from ancf.scene import SAME_PLACE, Rod, Tendon
+from ancf.scene_cable import refuse_on_cable
+from ancf.scene_loads import rod_of
 from ancf.scene_table import FRACTION, REQUIRED, Limit, Table
 from ancf.sections import Annulus
 from ancf.units import FORCE, LENGTH, NUMBER
@@ -19,18 +20,10 @@ TENSION = Limit(lambda v: v >= 0.0, ">= 0: tendons pull")
 def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
     """Read one `[[tendon]]`: the rod it runs in, its tension and its path inside the sections."""
     table.expect_keys(("rod", "tension", "path"), later=("length", "friction"))
-    names = [rod.name for rod in rods]
-    name = table.known("rod", names, "rod", "the tendon runs in a rod that the scene does not list")
-    rod = rods[names.index(name)]
-    if {(1, 0), (0, 1)} - set(ELEMENTS[rod.element].directors):
-        table.refuse(
-            "rod",
-            f"A tendon cannot run in a rod of element {rod.element}.",
-            f'element = "{rod.element}" has no sections',
-            "a tendon needs sections that hold it off the axis",
-            'take element = "3333"',
-        )
-    return Tendon(name, table.number("tension", FORCE, limit=TENSION), _path(table, rod))
+    rod = rod_of(table, rods, "the tendon runs in")
+    why = "a tendon needs sections that hold it off the axis"
+    refuse_on_cable(table, rod, "rod", "A tendon cannot run in a cable.", why)
+    return Tendon(rod.name, table.number("tension", FORCE, limit=TENSION), _path(table, rod))
 
 
 def _path(table: Table, rod: Rod) -> NDArray[np.float64]:

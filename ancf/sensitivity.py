@@ -14,14 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
 from ancf.effect_assembly import load_effects
-from ancf.errors import InputError, Message
+from ancf.errors import refuse
 from ancf.model import Model
 from ancf.passive_reports import passive_reports
 from ancf.rod_model import RodModel
@@ -39,6 +38,7 @@ LOADS = {
 # Of the parameter (or of 1/L, for curvature). Its fourth power times A L^2/I, the stiffness of the axis in
 # units of that of bending, is what truncation leaves; rounding leaves eps A L^2/I over it.
 STEP = 2e-4
+MISSING = ("a misspelt or missing name", "name one of these")
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
 
 
@@ -72,7 +72,8 @@ def sensitivity(
     """
     name = rod or _owner(model.scene, parameter, index)
     if name not in [r.rod.name for r in model.rods]:
-        _refuse("The scene has no such rod.", f"rod = {name!r}", f"rods: {[r.rod.name for r in model.rods]}")
+        known = f"rods: {[r.rod.name for r in model.rods]}"
+        refuse("The scene has no such rod.", f"rod = {name!r}", known, *MISSING)
     observed = next(r for r in model.rods if r.rod.name == name)
     _refuse_contact(model, q)
     lu = _factors(model, q, load_factor)
@@ -102,16 +103,16 @@ def _unit_loads(scene: Scene, parameter: str, index: int) -> Iterator[Scene]:
     """Scenes with nothing but one load of unit value."""
     if parameter == "gravity":
         if scene.gravity is None:
-            _refuse("The scene has no gravity.", 'sensitivity("gravity")', "no [gravity] table")
+            refuse("The scene has no gravity.", 'sensitivity("gravity")', "no [gravity] table", *MISSING)
         for unit in np.eye(3):
             yield Scene(scene.rods, gravity=replace(scene.gravity, acceleration=unit))
         return
     loads = getattr(scene, LOADS[parameter])
     if not -len(loads) <= index < len(loads):
         table = "tendon" if parameter == "tension" else parameter
-        _refuse(
+        refuse(
             f"The scene has no such {table}.", f'sensitivity("{parameter}"), index = {index}',
-            f"it has {len(loads)} [[{table}]] tables",
+            f"it has {len(loads)} [[{table}]] tables", *MISSING,
         )  # fmt: skip
     if parameter == "tension":
         yield replace(Scene(scene.rods), tendons=(replace(loads[index], tension=1.0),))
@@ -133,7 +134,7 @@ def _refuse_contact(model: Model, q: Floats) -> None:
     """Refuse where a rod touches: at fixed multipliers the gap would give way, which it does not."""
     for entry in passive_reports(model, q).get("contacts", []):
         if entry["points"]:
-            _refuse(
+            refuse(
                 "A rod in contact has no derivative in this version.", "sensitivity",
                 f'rod {entry["rod"]!r} touches at {entry["points"]} points',
                 "the tangent holds the forces of contact by a penalty, not by the gap itself",
@@ -146,7 +147,7 @@ def _factors(model: Model, q: Floats, load_factor: float) -> Factors:
     try:
         return model.system.factorise(flat)
     except SingularMatrixError:
-        _refuse(
+        refuse(
             "The tip pose has no derivative here.", "sensitivity",
             f"singular tangent at load factor {load_factor:g}",
             "a critical point: the equilibrium is not unique next to it", "change the load slightly",
@@ -177,10 +178,10 @@ def _changes(rod: Rod, parameter: str) -> list[tuple[Callable[[float], Rod], flo
     for record in (rod.material, rod.section):
         numbers |= {name for name, value in vars(record).items() if isinstance(value, float)}
     if parameter not in numbers or rod.segments:
-        _refuse(
+        refuse(
             "There is no derivative by this parameter.", f"sensitivity({parameter!r}), rod {rod.name!r}",
             "a rod of segments has loads only" if rod.segments else f"not one of {sorted(numbers)}",
-            advice=f"loads are {', '.join(LOADS)} and gravity",
+            MISSING[0], f"loads are {', '.join(LOADS)} and gravity",
         )  # fmt: skip
     if parameter == "curvature":
         return [
@@ -195,13 +196,3 @@ def _changes(rod: Rod, parameter: str) -> list[tuple[Callable[[float], Rod], flo
     # Near 0.5 the stiffness goes as 1/(1 - 2 nu).
     scale = 0.5 - value if parameter == "poisson_ratio" else abs(value) or 1.0
     return [(lambda d: replace(rod, **{where: replace(record, **{parameter: value + d})}), STEP * scale)]
-
-
-def _refuse(
-    what: str,
-    where: str,
-    value: str,
-    cause: str = "a misspelt or missing name",
-    advice: str = "name one of these",
-) -> NoReturn:
-    raise InputError(Message(what, where, value, cause, advice))

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from ancf.accuracy_record import Accuracy
     from ancf.arclength import PathPoint
+    from ancf.balance import Balance
     from ancf.model import Model
     from ancf.newton import Iteration
     from ancf.rod_model import RodModel
@@ -182,7 +183,7 @@ class Solution:
         return rod.elastic.energy(rod.element_vectors(self.q))
 
     @cached_property
-    def _support_force(self) -> Floats:
+    def support_force(self) -> Floats:
         """Generalised force (n,) that the supports exert."""
         g = self.model.residual(self.q, self.load_factor).at(self.load_factor)
         return g - self.model.system.project(g)
@@ -190,13 +191,23 @@ class Solution:
     def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
         """Force (3,) [N] and moment (3,) [N m] about the rod's base by its supports and joints to ground."""
         rod = self._rod(name)
-        Q = rod.nodal(self._support_force)
+        Q = rod.nodal(self.support_force)
         force, moment = Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
-        for carried in self.joints:
+        models = [] if self.model.joints is None else self.model.joints.models
+        for carried, model in zip(self.joints, models, strict=True):
             if carried.joint.b is None and carried.joint.a.rod == rod.rod.name:
-                arm = self.pose(rod.rod.name, carried.joint.a.at).position - rod.rod.base.position
+                arm = model.sections[0].position(self.q)
                 force, moment = force + carried.force, moment + carried.moment + np.cross(arm, carried.force)
         return force, moment
+
+    def balance(self, name: str | None = None) -> Balance:
+        """What is applied and what supports and ground exert, about the origin of SCS: balance.py.
+
+        Of the whole structure, or of one rod with what its joints carry.
+        """
+        from ancf.balance import balance
+
+        return balance(self, name)
 
     @cached_property
     def joints(self) -> list[JointForces]:
@@ -332,6 +343,7 @@ class Solution:
             "error_estimate": None if self.accuracy is None else self.accuracy.estimate,
             "unknowns": self.unknowns,
             "warnings": self.warnings,
+            "balance": self.balance().as_dict(),
             "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
         }
         if self.accuracy is not None:

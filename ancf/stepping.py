@@ -70,8 +70,7 @@ def find_equilibrium(model: Model, start: Floats | None = None, deadline: float 
     if deadline is None:
         deadline = time.perf_counter() + options.max_seconds
     trace = Trace(Status.NOT_CONVERGED, model.q0)
-    stability = model.scene.stability
-    if options.method == "arclength" or (stability is not None and stability.branch == "buckled"):
+    if model.scene.follows_path:
         return _follow(model, trace, deadline)  # a path begins at the reference, whatever the start
     model.release()
     if start is not None and _try_at_once(model, trace, start, deadline):

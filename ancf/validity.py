@@ -82,6 +82,11 @@ def validity_warnings(solution: Solution) -> list[str]:
     return found
 
 
+def largest_strain(solution: Solution, rod: RodModel) -> float:
+    """Largest component of the Green-Lagrange strain of a rod, on its skin and axis."""
+    return max(float(np.max(np.abs(_strain(solution, rod, part)))) for part in range(len(rod.rod.parts)))
+
+
 def _strain(solution: Solution, rod: RodModel, part: int) -> Floats:
     """Strain (sections, skin and axis last, 6) of a part of a rod."""
     skin = [np.atleast_2d(side) for side in part_skin(rod, part, OUTLINE_POINTS)]

@@ -110,6 +110,8 @@ def as_dict(run: Run) -> dict[str, Any]:
             "work_precision": [family_dict(cost) for cost in run.work],
             "tangent_ratio": [ratio_dict(ratio) for ratio in run.tangents],
             "scaling": [vars(point) for point in run.scaling],
+            "effect_calls": [vars(row) for row in run.effect_calls],
+            "effect_costs": [{**vars(cost), "ratio": cost.ratio} for cost in run.effect_costs],
             "failed_parts": run.failed_parts,
             "environment": run.environment,
             "versions": run.versions,

@@ -21,6 +21,7 @@ from validation.cost.run import FamilyCost
 from validation.cost.scaling import ScalePoint, TangentRatio
 from validation.criteria import Limit, Verdict, judge, largest, overall
 from validation.digests import Roots
+from validation.effect_costs import EffectCost, SceneCalls, effect_costs, scene_calls
 from validation.environment import environment, versions
 from validation.hard_cases import HardCase, HardResult
 from validation.journal import Journal, revive, run_key
@@ -48,6 +49,8 @@ FIELDS = {
     "work-precision": "work",
     "tangents": "tangents",
     "scaling": "scaling",
+    "effect calls": "effect_calls",
+    "effect costs": "effect_costs",
 }
 PARTS = tuple(FIELDS)
 LOCKING = Limit(
@@ -109,6 +112,8 @@ class Run:
     work: list[FamilyCost] = field(default_factory=list)
     tangents: list[TangentRatio] = field(default_factory=list)
     scaling: list[ScalePoint] = field(default_factory=list)
+    effect_calls: list[SceneCalls] = field(default_factory=list)
+    effect_costs: list[EffectCost] = field(default_factory=list)
     failed_parts: dict[str, str] = field(default_factory=dict)
     parts: tuple[str, ...] = PARTS
     selection: tuple[str, ...] = ()
@@ -273,6 +278,10 @@ def tasks(part: str, scope: str, expected: Iterable[Case]) -> Iterator[Task]:
     elif part == "scaling":
         counts = scaling.COUNTS_FULL if full else scaling.COUNTS
         yield Task(part, "all", partial(scaling.scale, counts), ScalePoint)
+    elif part == "effect calls":
+        yield Task(part, "all", lambda: list(scene_calls()), SceneCalls)
+    elif part == "effect costs":
+        yield Task(part, "all", lambda: list(effect_costs()), EffectCost)
 
 
 def _collect(record: Run, part: str, progress: Progress, journal: Journal | None) -> None:

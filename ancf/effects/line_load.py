@@ -58,11 +58,12 @@ class FollowerLineLoad(Effect):
         """See `Effect.force_and_tangent`: dQ = -int N_0^T hat(f) dw dx."""
         rotation = section_rotation(self.N @ e[:, None], self.W)
         f = rotation.R @ self.value
-        dw = np.einsum("epikc,epkn->epinc", rotation.spin(), self.N)
-        df = -np.einsum("epij,epjnc->epinc", hat(f), dw)
-        K = np.einsum("epm,epinc->eminc", self.shape, df)
-        size = K.shape[1] * 3
-        return np.einsum("epn,epa->ena", self.shape, f), K.reshape(len(K), size, size)
+        count, points, _, nodal = self.N.shape
+        df_dd = np.swapaxes(-hat(f)[..., None, :, :] @ np.moveaxis(rotation.spin(), 3, 2), 3, 4)
+        df = np.swapaxes(df_dd, 2, 4).reshape(count, points, 9, -1) @ self.N
+        df = df.reshape(count, points, 3, 3, nodal).swapaxes(3, 4)
+        K = np.swapaxes(self.shape, 1, 2) @ df.reshape(count, points, -1)
+        return np.einsum("epn,epa->ena", self.shape, f), K.reshape(count, 3 * nodal, 3 * nodal)
 
     def potential(self, e: Floats) -> None:
         """See `Effect.potential`: a follower load has none."""

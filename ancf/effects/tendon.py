@@ -60,6 +60,9 @@ class PulledTendon(Effect):
         self.dofs = model.dofs[elements]
         self.a = np.array(rows)  # (m, points, nodal) [1/m]
         self.weight = np.array(lengths)  # (m, points) [m]
+        self._weighted = self.weight[..., None] * self.a
+        pairs = self._weighted[..., :, None] * self.a[..., None, :]
+        self._pairs = np.swapaxes(pairs.reshape(*self.weight.shape, -1), 1, 2)  # (m, nodal^2, points)
 
     def _tangents(self, e: Floats) -> tuple[Floats, Floats]:
         """t (m, points, 3) and |c'| (m, points)."""
@@ -74,16 +77,16 @@ class PulledTendon(Effect):
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         t, _ = self._tangents(e)
-        return -self.tension * np.einsum("mp,mpn,mpa->mna", self.weight, self.a, t)
+        return -self.tension * (np.swapaxes(self._weighted, 1, 2) @ t)
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; symmetric."""
         t, stretch = self._tangents(e)
-        across = (np.eye(3) - t[..., :, None] * t[..., None, :]) / stretch[..., None, None]
-        K = -self.tension * np.einsum("mp,mpn,mpo,mpab->mnaob", self.weight, self.a, self.a, across)
-        size = 3 * self.a.shape[-1]
-        Q = -self.tension * np.einsum("mp,mpn,mpa->mna", self.weight, self.a, t)
-        return Q, K.reshape(len(K), size, size)
+        across = (np.eye(3) - t[..., :, None] * t[..., None, :]) * (-self.tension / stretch[..., None, None])
+        m, _, nodal = self.a.shape
+        K = (self._pairs @ across.reshape(m, -1, 9)).reshape(m, nodal, nodal, 3, 3)
+        Q = -self.tension * (np.swapaxes(self._weighted, 1, 2) @ t)
+        return Q, K.transpose(0, 1, 3, 2, 4).reshape(m, 3 * nodal, 3 * nodal)
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`: V = T l."""

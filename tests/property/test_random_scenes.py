@@ -26,6 +26,7 @@ SECONDS = 5.0  # budget of a scene
 SLACK = 60.0  # what one step may take beyond it on a busy machine: a hang takes for ever
 ENERGY = 1e-5
 WORK = 1e-5
+BALANCE = 1e-10  # issue "effects", numbers: of the larger of the load and E I/L^2, plus the float64 floor
 # Rubber's energy is no polynomial, and its section rule is of degree 8: it leaves in energy and work 4e-9 at
 # kappa R = 0.4, 1e-7 at 0.5, 2e-4 at 0.9, so c (kappa R)^10, until fibres vanish on the inside at 1.
 RUBBER = 1e-2
@@ -182,6 +183,7 @@ def check(solution: Solution, seconds: float) -> None:
     json.dumps(solution.as_dict(), allow_nan=False)
     assert np.isfinite(solution.q).all()
     assert seconds < SECONDS + SLACK
+    assert solution.balance().relative <= BALANCE + solution.residual_floor
     if solution.status is not Status.CONVERGED:
         message = solution.message
         assert message is not None

@@ -115,11 +115,21 @@ def test_check_lists_what_would_be_simulated(bent: Path, capsys: pytest.CaptureF
         "symmetric: on shapes in the plane the loads have a potential, Cholesky factors replace LU",
     ]
     assert found["rods"]["rod"]["section"] == {"shape": "circle", "radius": 0.004}
+    advice = found["advice"]
+    assert (advice["accuracy"], advice["accuracy_source"], advice["state"]) == (
+        1e-3,
+        "default",
+        "equilibrium",
+    )
+    assert [(i["effect"], i["verdict"]) for i in advice["listed"]] == [("moment", "matters")]
+    assert [i["effect"] for i in advice["missing"]] == ["gravity"]
     assert main(["check", str(bent)]) == 0
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "effects:    elastic, moment" in captured.err
     assert "reduction:  planar: rods and loads stay in the plane" in captured.err
+    assert "advice:     at 0.001 of the length (default" in captured.err
+    assert "moment: moves the tip by" in captured.err and "gravity, not listed" in captured.err
 
 
 def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -38,6 +38,7 @@ def captions(run: Run) -> dict[str, str]:
         "overlay": OVERLAY,
         "stress": STRESS,
         "rates": RATES,
+        "effects": "<b>What an effect costs.</b> One assembly, force and tangent, by that of the rods.",
         "fig1": "<b>Figure 1.</b> A solved element 3243: at each node the position r and the gradients "
         "r<sub>x</sub>, r<sub>y</sub>, r<sub>z</sub>, in structure coordinates (SCS). 24 nodal coordinates.",
         "fig2": _scenes(run),

@@ -15,6 +15,8 @@ from validation.cases import INDEPENDENCE, Case, formulation_of
 from validation.convergence import SHORTFALL
 from validation.cost import advice
 from validation.criteria import Verdict
+from validation.effect_costs import ASKED as ASKED_SHARE
+from validation.effect_costs import call_table
 from validation.environment import peak_memory_mb
 from validation.locking import VARIANTS
 from validation.locking_remedies import FORCE_CASES, MOMENT_CASES
@@ -22,7 +24,14 @@ from validation.outcome import Row
 from validation.problems import CaseResult
 from validation.property_runs import SEED
 from validation.record import write_text
-from validation.report import figures_cost, figures_cross, figures_paper, figures_studies, numbers
+from validation.report import (
+    figures_cost,
+    figures_cross,
+    figures_effects,
+    figures_paper,
+    figures_studies,
+    numbers,
+)
 from validation.report.captions import captions
 from validation.report.coverage import coverage, domain_rows
 from validation.report.hard_table import chapter
@@ -45,6 +54,7 @@ CONTENTS = (
     ("locking", "Locking: the paper's element and its cure"),
     ("work", "What accuracy costs"),
     ("asked", "Accuracy asked for"),
+    ("effects", "Effects: only what a scene lists"),
     ("hard-cases", "Hard cases"),
     ("paper", "The paper's figures 1 to 3"),
     ("decisions", "Where the paper is wrong or silent"),
@@ -119,6 +129,7 @@ def context(run: Run) -> dict[str, Any]:
         "own": _groups([c for c in cards if c.case.reference.independence == "own earlier number"]),
         "hard": chapter(run.hard_cases),
         "cost": [{"cost": cost, "sentence": advice.sentence(cost)} for cost in run.work],
+        "effects": _effects(run),
         "asked": [r for r in run.cases if r.case.problem in ASKED and r.outcome is not None],
         "figures": _figures(run),
         "captions": captions(run),
@@ -263,10 +274,18 @@ def _figures(run: Run) -> dict[str, Markup | None]:
             "work": figures_cost.grid(run.work, "seconds") if run.work else None,
             "work_unknowns": figures_cost.grid(run.work, "unknowns") if run.work else None,
             "work_iterations": figures_cost.grid(run.work, "iterations") if run.work else None,
+            "effects": figures_effects.cost_bars(run.effect_costs) if run.effect_costs else None,
             "fig1": figures_paper.element(),
             "fig2": figures_paper.scenes(run.cases),
             "fig3": figures_paper.section(),
         }
+
+
+def _effects(run: Run) -> dict[str, Any]:
+    """Effects by scene, and how many cost more than was asked for."""
+    names, rows = call_table(run.effect_calls)
+    dear = sum(cost.ratio > ASKED_SHARE for cost in run.effect_costs)
+    return {"names": names, "rows": rows, "asked": ASKED_SHARE, "dear": dear}
 
 
 def _anchor(check: str) -> str:
