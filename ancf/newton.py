@@ -53,6 +53,7 @@ class Outcome(enum.Enum):
     STAGNATED = "residual stagnates above its floor"
     OUT_OF_TIME = "time limit reached"
     OFF_PATH = "the step lands on another branch"
+    CHATTERING = "tendons change between taut and slack without end"
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,9 @@ class NewtonRun:
         self.result = NewtonResult(Outcome.TOO_MANY, self.q, load_factor, np.inf)
         self.done = False
         self._quiet = 0
+        self._sides: list[tuple[bool | None, ...]] = []  # tried so far; see tendon_length.py
+        if model.constraints is not None:
+            model.constraints.take_sides(self.q)
         if model.inside_out(self.q):
             self.end(Outcome.INVERTED)
 
@@ -169,10 +173,25 @@ class NewtonRun:
         forces = model.residual(self.q, self.load_factor)
         finite = _measure(model, result, model.system.project(forces.at(self.load_factor)))
         if finite and result.residual <= max(model.scene.solver.tolerance, result.floor):
-            closed = model.joints_closed(self.q, self.load_factor)
-            return Outcome.CONVERGED if closed else Outcome.OFF_PATH
+            return self._settled()
         self._quiet += 1
         return Outcome.STAGNATED if self._quiet == STAGNATION else None
+
+    def _settled(self) -> Outcome | None:
+        """An equilibrium: it counts where constraints are met as they are meant; tendons may change side."""
+        model, constraints = self.model, self.model.constraints
+        if constraints is None:
+            return Outcome.CONVERGED
+        self._sides.append(constraints.sides)
+        if constraints.change_side(self.q, model.scene.solver.tolerance):
+            self._quiet = 0
+            return Outcome.CHATTERING if constraints.sides in self._sides else None
+        return Outcome.CONVERGED if constraints.closed(self.q, self.load_factor) else Outcome.OFF_PATH
+
+    @property
+    def sides_tried(self) -> int:
+        """How often tendons have changed between taut and slack."""
+        return len(self._sides)
 
 
 def newton(
@@ -188,9 +207,7 @@ def newton(
     `deadline` is a value of time.perf_counter().
     """
     run = NewtonRun(model, q, load_factor, border)
-    for _ in range(max_iterations):
-        if run.done:
-            break
+    while not run.done and len(run.result.history) < max_iterations * (1 + run.sides_tried):
         if time.perf_counter() > deadline:
             run.end(Outcome.OUT_OF_TIME)
             break
@@ -200,6 +217,8 @@ def newton(
             run.end(Outcome.NOT_FINITE)
             break
         run.advance(forces, flat)
+    if model.constraints is not None:
+        model.constraints.leave_sides()
     return run.result
 
 

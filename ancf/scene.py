@@ -200,15 +200,16 @@ class Magnet:
 
 @dataclass(frozen=True, eq=False)
 class Tendon:
-    """A tendon without friction, pulled by a tension [N] along its path (points, 3) of [at, y, z].
+    """A tendon without friction along its path (points, 3) of [at, y, z], pulled by a tension or to a length.
 
     `at` is a fraction of the reference length, rising; y and z [m] are coordinates in the section, linear in
-    between.
+    between. Just one of `tension` [N] and `length` [m] is given.
     """
 
     rod: str
-    tension: float
+    tension: float | None
     path: NDArray[np.float64]
+    length: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,6 +308,21 @@ class Scene:
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""
+
+    @property
+    def pulled_tendons(self) -> tuple[Tendon, ...]:
+        """The tendons of given tension."""
+        return tuple(tendon for tendon in self.tendons if tendon.tension is not None)
+
+    @property
+    def controlled_tendons(self) -> tuple[Tendon, ...]:
+        """The tendons of controlled length."""
+        return tuple(tendon for tendon in self.tendons if tendon.length is not None)
+
+    @property
+    def constrained(self) -> bool:
+        """Whether there are conditions on the motion beside the supports."""
+        return bool(self.joints or self.controlled_tendons)
 
     def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""

@@ -146,12 +146,13 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
     for entry, rod in zip(entries, rods if meshed else (), strict=meshed):
         _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
-    if scene.joints and scene.solver.tangent == "finite-difference":
+    if scene.constrained and scene.solver.tangent == "finite-difference":
+        thing, key = ("Joints", "[[joint]]") if scene.joints else ("Tendons of given length", "[[tendon]]")
         table.refuse(
             "solver.tangent",
-            "Joints have no finite-difference tangent.",
-            'tangent = "finite-difference" with [[joint]]',
-            "the paper's tangent is for rods; joints know their exact one only",
+            f"{thing} have no finite-difference tangent.",
+            f'tangent = "finite-difference" with {key}',
+            "the paper's tangent is for rods; conditions on their motion know their exact one only",
             'write tangent = "analytic", or leave the key away',
         )
     return scene

@@ -14,11 +14,12 @@ from ancf.sections import Annulus
 from ancf.units import FORCE, LENGTH, NUMBER
 
 TENSION = Limit(lambda v: v >= 0.0, ">= 0: tendons pull")
+WANTED = Limit(lambda v: v > 0.0, "> 0")
 
 
 def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
-    """Read one `[[tendon]]`: the rod it runs in, its tension and its path inside the sections."""
-    table.expect_keys(("rod", "tension", "path"), later=("length", "friction"))
+    """Read one `[[tendon]]`: the rod it runs in, its tension or length, its path inside the sections."""
+    table.expect_keys(("rod", "tension", "length", "path"), later=("friction",))
     names = [rod.name for rod in rods]
     name = table.known("rod", names, "rod", "the tendon runs in a rod that the scene does not list")
     rod = rods[names.index(name)]
@@ -30,7 +31,21 @@ def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
             "a tendon needs sections that hold it off the axis",
             'take element = "3333"',
         )
-    return Tendon(name, table.number("tension", FORCE, limit=TENSION), _path(table, rod))
+    given = [key for key in ("tension", "length") if key in table.data]
+    if len(given) != 1:
+        table.refuse(
+            "tension" if not given else "length",
+            "The tendon has both a tension and a length." if given else "Nothing pulls the tendon.",
+            "tension and length" if given else "neither tension nor length",
+            "a tendon is pulled by a tension, or its drive holds it at a length with the tension that takes",
+            'write one of the two, for example tension = "2 N" or length = "38 cm"',
+        )
+    return Tendon(
+        name,
+        table.number("tension", FORCE, limit=TENSION) if given == ["tension"] else None,
+        _path(table, rod),
+        table.number("length", LENGTH, limit=WANTED) if given == ["length"] else None,
+    )
 
 
 def _path(table: Table, rod: Rod) -> NDArray[np.float64]:

@@ -12,9 +12,9 @@ expressions at fixed q (STEP below); nothing is solved again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,8 @@ def sensitivity(
     ----------
     q, load_factor : the equilibrium (n,)
     parameter : "moment", "force", "line_load" (by the value of the table `index` of the scene, in its own
-        frame), "tension" (of the tendon `index`) or "gravity"; or a number of the rod: "young_modulus",
-        "poisson_ratio", "density", "length", "curvature", or a size of its section ("radius", ...)
+        frame), "tension" or "tendon_length" (of the tendon `index`) or "gravity"; or a number of the rod:
+        "young_modulus", "poisson_ratio", "density", "length", "curvature", or a size of its section
     rod : whose tip, and whose number; by default the rod of the load, else the first
 
     Returns
@@ -74,6 +74,10 @@ def sensitivity(
         _refuse("The scene has no such rod.", f"rod = {name!r}", f"rods: {[r.rod.name for r in model.rods]}")
     observed = next(r for r in model.rods if r.rod.name == name)
     lu = _factors(model, q, load_factor)
+    if parameter == "tendon_length":
+        rate = length_rate(model, index)
+        dofs, P = pose_map(observed)
+        return P @ model.system.solve(lu, load_factor * rate)[dofs]
     if parameter in LOADS or parameter == "gravity":
         dq = model.system.solve(lu, load_factor * load_forces(model, q, parameter, index))
         dofs, P = pose_map(observed)
@@ -84,6 +88,21 @@ def sensitivity(
         dofs, P = pose_map(observed)
         columns.append(pose + P @ model.system.solve(lu, -g)[dofs])
     return np.column_stack(columns) if parameter == "curvature" else columns[0]
+
+
+def length_rate(model: Model, index: int) -> Floats:
+    """Generalised force (n,) of a unit length of the tendon `index`, whose length is controlled."""
+    tendon = _entry(model.scene.tendons, "tendon_length", "tendon", index)
+    if tendon.length is None:
+        _refuse(
+            "The tendon has no controlled length.", f'sensitivity("tendon_length"), index = {index}',
+            "it has a tension", advice='take sensitivity("tension")',
+        )  # fmt: skip
+    assert model.constraints is not None
+    rate = np.zeros(model.n)
+    controlled = model.constraints.tendons[model.scene.controlled_tendons.index(tendon)]
+    rate[controlled.multipliers] = 1.0
+    return rate
 
 
 def load_forces(model: Model, q: Floats, parameter: str, index: int = 0) -> Floats:
@@ -104,24 +123,34 @@ def _unit_loads(scene: Scene, parameter: str, index: int) -> Iterator[Scene]:
         for unit in np.eye(3):
             yield Scene(scene.rods, gravity=replace(scene.gravity, acceleration=unit))
         return
-    loads = getattr(scene, LOADS[parameter])
+    table = "tendon" if parameter == "tension" else parameter
+    load = _entry(getattr(scene, LOADS[parameter]), parameter, table, index)
+    if parameter == "tension":
+        if load.tension is None:
+            _refuse(
+                "The tension of the tendon is not given.", f'sensitivity("tension"), index = {index}',
+                "its length is", advice='take sensitivity("tendon_length")',
+            )  # fmt: skip
+        yield replace(Scene(scene.rods), tendons=(replace(load, tension=1.0),))
+        return
+    for unit in scene.load_axes(load).T:
+        yield replace(Scene(scene.rods), **{LOADS[parameter]: (replace(load, value=unit),)})
+
+
+def _entry(loads: Sequence[Any], parameter: str, table: str, index: int) -> Any:
+    """The load of an index of the scene's tables, which is checked."""
     if not -len(loads) <= index < len(loads):
-        table = "tendon" if parameter == "tension" else parameter
         _refuse(
             f"The scene has no such {table}.", f'sensitivity("{parameter}"), index = {index}',
             f"it has {len(loads)} [[{table}]] tables",
         )  # fmt: skip
-    if parameter == "tension":
-        yield replace(Scene(scene.rods), tendons=(replace(loads[index], tension=1.0),))
-        return
-    for unit in scene.load_axes(loads[index]).T:
-        yield replace(Scene(scene.rods), **{LOADS[parameter]: (replace(loads[index], value=unit),)})
+    return loads[index]
 
 
 def _owner(scene: Scene, parameter: str, index: int) -> str:
     """Name of the rod whose tip is meant."""
-    if parameter in LOADS:
-        loads = getattr(scene, LOADS[parameter])
+    if parameter in LOADS or parameter == "tendon_length":
+        loads = scene.tendons if parameter == "tendon_length" else getattr(scene, LOADS[parameter])
         if -len(loads) <= index < len(loads):
             return loads[index].rod
     return scene.rods[0].name
@@ -166,7 +195,7 @@ def _changes(rod: Rod, parameter: str) -> list[tuple[Callable[[float], Rod], flo
         _refuse(
             "There is no derivative by this parameter.", f"sensitivity({parameter!r}), rod {rod.name!r}",
             "a rod of segments has loads only" if rod.segments else f"not one of {sorted(numbers)}",
-            advice=f"loads are {', '.join(LOADS)} and gravity",
+            advice=f"loads are {', '.join(LOADS)}, tendon_length and gravity",
         )  # fmt: skip
     if parameter == "curvature":
         return [

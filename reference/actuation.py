@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_bvp
 from scipy.spatial.transform import Rotation
 
+from reference.root import bracketed_root
+
 Array = NDArray[np.float64]
 
 INTERVALS = 2000
@@ -36,12 +38,33 @@ def tendon_rod(
     path : (points, 3) of [fraction of the length, y, z] [-, m, m], straight in between
     """
     fine, coarse = (
-        _tip(length, radius, young, poisson, tension, path, n) for n in (INTERVALS, INTERVALS // 2)
+        _tip(*_strains(length, radius, young, poisson, tension, path, n)[:3])
+        for n in (INTERVALS, INTERVALS // 2)
     )
     return fine + (fine - coarse) / 3.0, float(np.linalg.norm(fine - coarse)) / 3.0
 
 
-def _tip(
+def tendon_rod_of_length(
+    length: float, radius: float, young: float, poisson: float, wanted: float, path: ArrayLike
+) -> tuple[Array, float, float]:
+    """Tip (3,) [m] of the same rod, its own error [m], and the tension [N] that brings the path to a length.
+
+    wanted : [m], shorter than the path in the straight rod
+    """
+    whole = np.pi * radius**2 * young
+
+    def excess(tension: float) -> float:
+        lengths = [
+            _strains(length, radius, young, poisson, tension, path, n)[3] for n in (INTERVALS, INTERVALS // 2)
+        ]
+        return lengths[0] + (lengths[0] - lengths[1]) / 3.0 - wanted
+
+    tension = bracketed_root(excess, 0.0, 0.1 * whole)
+    tip, error = tendon_rod(length, radius, young, poisson, tension, path)
+    return tip, error, tension
+
+
+def _strains(
     length: float,
     radius: float,
     young: float,
@@ -49,7 +72,8 @@ def _tip(
     tension: float,
     path: ArrayLike,
     intervals: int,
-) -> Array:
+) -> tuple[float, Array, Array, float]:
+    """Interval h, strains v and u (intervals, 3) in their middles, and the length of the tendon's path."""
     area, second = np.pi * radius**2, np.pi * radius**4 / 4.0
     shear = young / (2.0 * (1.0 + poisson))
     K_n = np.array([young, shear, shear]) * area
@@ -67,9 +91,14 @@ def _tip(
         t = v + np.cross(u, p) + dp
         n = -tension * inside[:, None] * t / np.linalg.norm(t, axis=1, keepdims=True)
         v, u = np.array([1.0, 0.0, 0.0]) + n / K_n, np.cross(p, n) / K_m
+    stretch = np.linalg.norm(v + np.cross(u, p) + dp, axis=1)
+    return h, np.asarray(v, float), np.asarray(u, float), float(h * np.sum(stretch * inside))
+
+
+def _tip(h: float, v: Array, u: Array) -> Array:
     R, r = Rotation.identity(), np.zeros(3)
     half, whole = Rotation.from_rotvec(0.5 * h * u), Rotation.from_rotvec(h * u)
-    for i in range(intervals):
+    for i in range(len(v)):
         r = r + h * (R * half[i]).apply(v[i])
         R = R * whole[i]
     return np.asarray(r, dtype=float)

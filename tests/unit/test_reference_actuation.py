@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from reference.actuation import chamber_arc, closed_tube_strain, magnet_tip, tendon_rod
+from reference.actuation import (
+    chamber_arc,
+    closed_tube_strain,
+    magnet_tip,
+    tendon_rod,
+    tendon_rod_of_length,
+)
 
 L, R, YOUNG = 0.5, 0.0025, 1e6
 AREA, SECOND = np.pi * R**2, np.pi * R**4 / 4
@@ -18,6 +24,16 @@ def test_a_straight_tendon_makes_an_arc_of_the_shortened_axis():
     exact = stretch / u * np.array([np.sin(u * L), 1.0 - np.cos(u * L), 0.0])
     assert error < 1e-9 * L
     np.testing.assert_allclose(tip, exact, rtol=0, atol=1e-9 * L)
+
+
+def test_the_tension_of_a_length_and_back():
+    """Constant state: |t| = v - u d, so T = (L - l)/(L (1/E A + d^2/E I))."""
+    d, tension = 0.8 * R, 1e-4 * YOUNG * AREA
+    wanted = L * (1 - tension / (YOUNG * AREA) - tension * d**2 / (YOUNG * SECOND))
+    tip, error, found = tendon_rod_of_length(L, R, YOUNG, 0.3, wanted, [[0, d, 0], [1, d, 0]])
+    assert found == pytest.approx(tension, rel=1e-10) and error < 1e-9 * L
+    exact, _ = tendon_rod(L, R, YOUNG, 0.3, tension, [[0, d, 0], [1, d, 0]])
+    np.testing.assert_allclose(tip, exact, rtol=0, atol=1e-11 * L)
 
 
 def test_a_tendon_on_the_axis_only_shortens():

@@ -74,6 +74,7 @@ def test_examples_are_valid(path: Path):
         "right-angle-frame": 0.24,
         "shallow-arch": 1.0,
         "tendon-arm": 0.3,
+        "tendon-lengths": 0.3,
         "pneumatic-finger": 0.1,
         "magnetic-catheter": 0.05,
     }

@@ -1,0 +1,96 @@
+r"""The path of a tendon through the sections of a rod: its length and the derivatives of that.
+
+A tendon runs through (y(x), z(x)), linear in x between the points of its path; its place c(x) = r(x, y, z) is
+linear in the nodal vectors, and so is c' = a^T e with
+
+    a = sum_k phi_k(y, z) N_k' + (phi_k,y y' + phi_k,z z') N_k,
+
+    l = int |c'| dx,   dl/de = int a t^T dx,   d2l/de2 = int (a a^T) (x) (I - t t^T)/|c'| dx,   t = c'/|c'|.
+
+The integral takes the axial points of the strain energy, so that the tension does no work where the element
+is blind; an element with points of the path inside is cut there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ancf.quadrature import gauss
+from ancf.rod_model import RodModel
+
+Floats = NDArray[np.float64]
+
+
+class TendonPath:
+    """Pieces of the path that lie in one element each, in order along the rod.
+
+    Attributes
+    ----------
+    dofs : (m, nd) unknowns of the element of each piece
+    a : (m, points, nodal) [1/m] weights of the nodal vectors in c'
+    weight : (m, points) [m] of the integral
+    """
+
+    def __init__(self, model: RodModel, points: Floats) -> None:
+        elements, rows, lengths = [], [], []
+        for element, x, slopes, weight in _pieces(model, points):
+            rows.append(tangent_weights(model, element, x, points, slopes))
+            elements.append(element)
+            lengths.append(weight)
+        self.dofs = model.dofs[elements]
+        self.a = np.array(rows)
+        self.weight = np.array(lengths)
+
+    def tangents(self, e: Floats) -> tuple[Floats, Floats]:
+        """t (m, points, 3) and |c'| (m, points) at the nodal vectors e (m, nodal, 3)."""
+        c = self.a @ e
+        stretch = np.linalg.norm(c, axis=-1)
+        return c / stretch[..., None], stretch
+
+    def length(self, e: Floats) -> float:
+        """Length l [m]."""
+        return float(np.sum(self.weight * self.tangents(e)[1]))
+
+    def slope(self, e: Floats, share: Floats | float = 1.0) -> Floats:
+        """dl/de (m, nodal, 3), points counted by a share (m, points)."""
+        t, _ = self.tangents(e)
+        return np.einsum("mp,mpn,mpa->mna", share * self.weight, self.a, t)
+
+    def bend(self, e: Floats, share: Floats | float = 1.0) -> Floats:
+        """d2l/de2 (m, nd, nd), points counted by a share (m, points)."""
+        t, stretch = self.tangents(e)
+        across = (np.eye(3) - t[..., :, None] * t[..., None, :]) / stretch[..., None, None]
+        K = np.einsum("mp,mpn,mpo,mpab->mnaob", share * self.weight, self.a, self.a, across)
+        size = 3 * self.a.shape[-1]
+        return K.reshape(len(K), size, size)
+
+
+def tangent_weights(model: RodModel, element: int, x: Floats, points: Floats, slopes: Floats) -> Floats:
+    """a (points, nodal) at places x [m] inside one element; slopes (2,) of y and z there."""
+    h = float(model.mesh.h[element])
+    xi = 2.0 * (x - model.mesh.breaks[element]) / h - 1.0
+    N, N_x = model.element.shape(xi, h), model.element.shape(xi, h, derivative=1)
+    y, z = (np.interp(x, points[:, 0] * model.rod.length, points[:, k]) for k in (1, 2))
+    phi, phi_y, phi_z = model.element.section_monomials(y, z)
+    along = phi_y * slopes[0] + phi_z * slopes[1]
+    return np.einsum("pk,pkn->pn", phi, N_x) + np.einsum("pk,pkn->pn", along, N)
+
+
+def _pieces(model: RodModel, points: Floats) -> Iterator[tuple[int, Floats, Floats, Floats]]:
+    """Element, points x, slopes (y', z') and weights of every piece of the path that lies in one element."""
+    xi, weight = gauss(model.axial_points)
+    path = points * [model.rod.length, 1.0, 1.0]
+    breaks = model.mesh.breaks
+    for (x_a, *from_), (x_b, *to) in pairwise(path):
+        slopes = (np.array(to) - from_) / (x_b - x_a)
+        first, last = (
+            np.searchsorted(breaks, x_a, side="right") - 1,
+            np.searchsorted(breaks, x_b, side="left"),
+        )
+        for element in range(first, last):
+            a, b = max(x_a, breaks[element]), min(x_b, breaks[element + 1])
+            yield int(element), a + 0.5 * (b - a) * (1.0 + xi), slopes, 0.5 * (b - a) * weight
