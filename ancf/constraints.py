@@ -124,15 +124,22 @@ class Constraints:
     def take_sides(self, q: Floats) -> None:
         """Tendons are taut or slack as they are at q (n,), until `leave_sides`."""
         for one in self.tendons:
-            one.side = one.is_taut(float(q[one.multipliers[0]]))
+            one.side = one.is_taut(one.multiplier(q))
 
-    def change_side(self, q: Floats, tolerance: float) -> bool:
-        """Put the first tendon that is on the wrong side at the equilibrium q (n,) on the other."""
-        for one in self.tendons:
-            if one.is_wrong(float(q[one.multipliers[0]]), tolerance):
-                one.side = not one.side
-                return True
-        return False
+    def wrong_side(self, q: Floats, tolerance: float) -> TendonLength | None:
+        """The first tendon that is on the wrong side at the equilibrium q (n,), if any is."""
+        return next((one for one in self.tendons if one.is_wrong(one.multiplier(q), tolerance)), None)
+
+    def choose_sides(self, scene: Scene, q: Floats) -> Floats:
+        """Choose all sides by linear theory about the equilibrium q (n,); q with the multipliers for them."""
+        from ancf.tendon_length import estimated_multipliers
+
+        q = q.copy()
+        found = estimated_multipliers(scene, self.tendons, q)
+        for one, m in zip(self.tendons, found, strict=True):
+            q[one.multipliers] = m
+            one.side = bool(m > 0.0)
+        return q
 
     @property
     def sides(self) -> tuple[bool | None, ...]:

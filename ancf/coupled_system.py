@@ -230,6 +230,9 @@ class CoupledSystem(LinearSystem):
         energy = self.unit * self.force_unit
         scale: Any = sparse.diags_array(energy / np.max(energy))
         A: Any = scale @ self.matrix(flat)
+        n = self.pattern.n
+        # By the columns of the conditions: a slack tendon acts on nothing, and its row is none of theirs.
+        A = sparse.block_array([[A[:n, :n], A[:n, n:]], [A[:n, n:].T, A[n:, n:]]])
         A = (0.5 * (A + A.T)).tocsr()
         conditions = self.conditions
         neutral = _neutral(A, splu(A.tocsc()), self.pattern.n)

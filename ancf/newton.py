@@ -183,8 +183,15 @@ class NewtonRun:
         if constraints is None:
             return Outcome.CONVERGED
         self._sides.append(constraints.sides)
-        if constraints.change_side(self.q, model.scene.solver.tolerance):
-            self._quiet = 0
+        wrong = constraints.wrong_side(self.q, model.scene.solver.tolerance)
+        if wrong is not None:
+            self._quiet, first = 0, not wrong.side
+            q = constraints.choose_sides(model.scene, self.q)
+            if constraints.sides not in self._sides:
+                self.q = q
+                return None
+            for one, side in zip(constraints.tendons, self._sides[-1], strict=True):
+                one.side = first if one is wrong else side
             return Outcome.CHATTERING if constraints.sides in self._sides else None
         return Outcome.CONVERGED if constraints.closed(self.q, self.load_factor) else Outcome.OFF_PATH
 

@@ -93,8 +93,8 @@ class Spectrum:
         S = sparse.csr_array(D @ K[:n, :n] @ D)
         if K.shape[0] == n:
             return S, np.empty((n, 0))
-        C = (K[n:, :n] @ D).toarray()
-        return S, np.linalg.qr(C[np.any(C != 0.0, axis=1)].T)[0]  # a slack tendon is no condition
+        C_T = (D @ K[:n, n:]).toarray()
+        return S, np.linalg.qr(C_T[:, np.any(C_T != 0.0, axis=0)])[0]  # a slack tendon is no condition
 
     def with_multipliers(self, q: Floats, load_factor: float, modes: Floats) -> Floats:
         """Left modes (k, n) [SI] with the changes of the multipliers that go with them.

@@ -11,15 +11,16 @@ units of a compliance c, below) where it is negative (Robinson's normal map, Mat
     T = max(m, 0),   l - l_f + c max(-m, 0) = 0,
 
 are equations again. Newton's method keeps to one side of m = 0 for each tendon, the one on which it starts,
-also where m crosses it. At the equilibrium that it comes to, the first tendon on the wrong side is put on the
-other, and it goes on. For linear equations whose compliance is positive definite, as that of a stable rod is,
-this comes to an end (Murty, Linear Algebra Appl. 7 (1974) 109); a choice of sides that comes again ends the
-step, which is cut (stepping.py). Taking the side of m in every iteration instead goes back and forth: the
-axis of a slender rod is so stiff that the tendons round it change over at the smallest error.
+also where m crosses it. At the equilibrium that it comes to, tendons on the wrong side make it choose all
+sides anew, by the linear problem above with the compliance of thin rods; of four tendons along a rod one is
+slack, as only three lengths are independent. If that choice was tried, the first tendon on the wrong side
+changes over alone, which comes to an end for linear equations of a positive definite compliance (Murty,
+Linear Algebra Appl. 7 (1974) 109). A choice that comes again ends the step, which is cut (stepping.py).
+Taking the side of m in every iteration instead goes back and forth: the axis of a slender rod is so stiff
+that the tendons round it change over at the smallest error.
 
 A taut tendon is the condition l = l_f with the multiplier T, symmetric, and the elements' blocks T d2l/de2
-fit their band. A slack one is decoupled: m does not act on the rod, so its equation enters the tangent with
--c alone, and m follows l one iteration later.
+fit their band. A slack one acts on nothing: its column of the tangent is zero but for -c.
 
 c is the compliance of the path of a straight rod, int 1/(E A) + (y^2 + z^2)/(E I) dx, I the smaller one.
 """
@@ -88,14 +89,13 @@ class TendonLength(Constraint):
         g, rate = np.zeros(len(x)), np.zeros(len(x))
         g[-1] = self.path.length(e) - self.l_0 - load_factor * self.change
         rate[-1] = -self.change
-        tangent = np.zeros(len(self.rows))
-        if not self.is_taut(m):
-            g[-1] -= self.compliance * m
-            tangent[-1] = -self.compliance
-        else:
-            slope, bend = self.path.slope(e).ravel(), self.path.bend(e).ravel()
+        slope, bend = self.path.slope(e).ravel(), self.path.bend(e).ravel()
+        if self.is_taut(m):
             g[:-1] = m * slope
-            tangent[:-1] = np.concatenate([m * bend, slope, slope])
+            tangent = np.concatenate([m * bend, slope, slope, [0.0]])
+        else:
+            g[-1] -= self.compliance * m
+            tangent = np.concatenate([np.zeros(bend.size + slope.size), slope, [-self.compliance]])
         return ConstraintTerms(g, rate, tangent)
 
     def is_taut(self, m: float) -> bool:
@@ -106,24 +106,29 @@ class TendonLength(Constraint):
         """Whether m lies on the other side than the one taken, by more than a tolerance in its unit."""
         return bool((-m if self.side else m) > tolerance * self.unit[0])
 
+    def multiplier(self, q: Floats) -> float:
+        """m [N] at the unknowns q (n,)."""
+        return float(q[self.multipliers[0]])
+
     def tension(self, q: Floats) -> float:
         """Tension [N] at the unknowns q (n,)."""
-        return max(float(q[self.multipliers[0]]), 0.0)
+        return max(self.multiplier(q), 0.0)
 
     def slack(self, q: Floats) -> float:
         """Length [m] by which the cable is longer than its path."""
-        return self.compliance * max(-float(q[self.multipliers[0]]), 0.0)
+        return self.compliance * max(-self.multiplier(q), 0.0)
 
     def length(self, q: Floats) -> float:
         """Length [m] of the path."""
         return self.path.length(self._vectors(q[self.dofs[:-1]]))
 
 
-def estimated_multipliers(scene: Scene, controlled: list[TendonLength]) -> Floats:
+def estimated_multipliers(scene: Scene, controlled: list[TendonLength], q: Floats | None = None) -> Floats:
     """Unknowns m (k,) [N] of the tendons of controlled length by the linear theory of straight thin rods.
 
-    On one rod the tensions minimise 1/2 T^T M T + (l_f - l)^T T over T >= 0, M the compliance of the paths
-    and l their lengths under the tendons of given tension; other loads are left out.
+    On one rod the tensions T >= 0 minimise 1/2 T^T M T - need^T T, M the compliance of the paths: from the
+    reference under the tendons of given tension and no other load, or about the equilibrium q (n,) for the
+    sides that are taken there.
     """
     from scipy.optimize import nnls
 
@@ -133,8 +138,13 @@ def estimated_multipliers(scene: Scene, controlled: list[TendonLength]) -> Float
         given = [t for t in scene.pulled_tendons if t.rod == name]
         M = compliance(scene.rod(name), [controlled[i].tendon for i in here] + given)
         k = len(here)
-        pulls = np.array([t.tension for t in given], float)
-        need = -np.array([controlled[i].change for i in here]) - M[:k, k:] @ pulls
+        if q is None:
+            pulls = np.array([t.tension for t in given], float)
+            need = -np.array([controlled[i].change for i in here]) - M[:k, k:] @ pulls
+        else:
+            m = np.array([q[controlled[i].multipliers[0]] for i in here])
+            taut = np.array([controlled[i].side for i in here])
+            need = np.where(taut, 0.0, np.diag(M)[:k] * m) + M[:k, :k] @ np.where(taut, m, 0.0)
         F = np.linalg.cholesky(M[:k, :k] + EPSILON * np.trace(M[:k, :k]) * np.eye(k))
         T, _ = nnls(F.T, np.linalg.solve(F, need))
         slack = M[:k, :k] @ T - need

@@ -79,7 +79,7 @@ def test_tension_to_length_and_back(share, load):
 
 @pytest.mark.parametrize("m", [0.7, -0.7])
 def test_tangent_and_rate_are_the_derivatives(m):
-    """dg/dq and dg/dl of the whole residual at a random state, by central differences; symmetric."""
+    """dg/dq and dg/dl of the whole residual at a random state, by central differences."""
     model = Model(
         scene([{"length": 0.97 * L, "path": PATH}, tendon(2.0, length=0.99 * L)], {"curvature": [0.3, 1, 0]})
     )
@@ -92,15 +92,16 @@ def test_tangent_and_rate_are_the_derivatives(m):
     taut = model.constraints.tendons[0].is_taut(m)
     assert taut == (m > 0.0)
     model.constraints.take_sides(q)
-    if not taut:
-        way[: model.motions] = 0.0  # m does not act on the rod, and its equation enters with -c alone
     forces, flat = model.residual_and_tangent(q, 0.6)
-    step = 1e-6 if taut else 1e-3  # linear in m
+    step = 1e-6
     ends = [model.residual(q + s * step * way, 0.6).at(0.6) for s in (1, -1)]
     change = (ends[0] - ends[1]) / (2 * step) / model.force_unit
     found = system.unsupported(flat) @ way / model.force_unit
     np.testing.assert_allclose(found, change, rtol=0, atol=1e-7 * np.abs(change).max())
     K = system.unsupported(flat).toarray()
+    if not taut:  # it acts on nothing
+        assert not K[: model.motions, model.motions].any()
+        K[model.motions, : model.motions] = 0.0
     assert np.abs(K - K.T).max() <= 1e-12 * np.abs(K).max()
     ends = [model.residual(q, 0.6 + s).at(0.6 + s) for s in (0.1, -0.1)]
     np.testing.assert_allclose(forces.Q_ext, -(ends[0] - ends[1]) / 0.2, rtol=0, atol=1e-10)
@@ -154,10 +155,11 @@ def test_antagonists(changes, taut):
 
 @settings(deadline=None, max_examples=25)
 @given(
-    st.lists(st.floats(-0.006, 0.006), min_size=2, max_size=3),
+    st.lists(st.floats(-0.006, 0.006), min_size=2, max_size=5),
     st.lists(st.floats(-2, 2), min_size=3, max_size=3),
 )
 @example([0.001, 0.001, 0.001, 0.001], [0.0, 0.0, 0.0])
+@example([0.005859375, 0.0, 0.0, 0.0, 0.001953125], [0.0, 0.0, 1.0])
 @example([0.004, 0.004, -0.004, -0.004, 0.0], [0.0, 0.0, 0.0])
 def test_any_lengths_meet_the_conditions(changes, load):
     """Random lengths and loads: nothing pushes, nothing is stretched, and it does not go back and forth."""
@@ -199,7 +201,7 @@ def test_negative_eigenvalues_are_those_across_the_conditions():
         K = model.system.unsupported(flat).toarray()
         B = model.boundary_matrix().toarray()
         free = B[: model.motions, : B.shape[1] - 2]
-        C = K[model.motions, : model.motions] @ free  # the first is taut
+        C = K[model.motions, : model.motions] @ free  # of the first, which is taut
         basis = np.linalg.svd(C[None])[2][1:].T
         dense = basis.T @ free.T @ K[: model.motions, : model.motions] @ free @ basis
         count = int(np.count_nonzero(np.linalg.eigvalsh(dense) < 0))
