@@ -200,16 +200,17 @@ class Magnet:
 
 @dataclass(frozen=True, eq=False)
 class Tendon:
-    """A tendon without friction along its path (points, 3) of [at, y, z], pulled by a tension or to a length.
+    """A tendon along its path (points, 3) of [at, y, z], pulled at the first by a tension or to a length.
 
     `at` is a fraction of the reference length, rising; y and z [m] are coordinates in the section, linear in
-    between. Just one of `tension` [N] and `length` [m] is given.
+    between. Just one of `tension` [N] and `length` [m] is given; `friction` is the capstan coefficient.
     """
 
     rod: str
     tension: float | None
     path: NDArray[np.float64]
     length: float | None = None
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,12 +14,13 @@ from ancf.sections import Annulus
 from ancf.units import FORCE, LENGTH, NUMBER
 
 TENSION = Limit(lambda v: v >= 0.0, ">= 0: tendons pull")
+FRICTION = Limit(lambda v: v >= 0.0, ">= 0: friction takes from the tension")
 WANTED = Limit(lambda v: v > 0.0, "> 0")
 
 
 def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
     """Read one `[[tendon]]`: the rod it runs in, its tension or length, its path inside the sections."""
-    table.expect_keys(("rod", "tension", "length", "path"), later=("friction",))
+    table.expect_keys(("rod", "tension", "length", "path", "friction"))
     names = [rod.name for rod in rods]
     name = table.known("rod", names, "rod", "the tendon runs in a rod that the scene does not list")
     rod = rods[names.index(name)]
@@ -40,11 +41,21 @@ def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
             "a tendon is pulled by a tension, or its drive holds it at a length with the tension that takes",
             'write one of the two, for example tension = "2 N" or length = "38 cm"',
         )
+    friction = table.number("friction", NUMBER, 0.0, FRICTION)
+    if friction > 0.0 and given == ["length"]:
+        table.refuse(
+            "friction",
+            "Friction of a tendon of controlled length is not in this version.",
+            f"friction = {friction:g} with length",
+            "friction is known for a tendon that is pulled by a given tension",
+            "give its tension in place of the length, or leave friction away",
+        )
     return Tendon(
         name,
         table.number("tension", FORCE, limit=TENSION) if given == ["tension"] else None,
         _path(table, rod),
         table.number("length", LENGTH, limit=WANTED) if given == ["length"] else None,
+        friction,
     )
 
 

@@ -33,17 +33,23 @@ class TendonPath:
     dofs : (m, nd) unknowns of the element of each piece
     a : (m, points, nodal) [1/m] weights of the nodal vectors in c'
     weight : (m, points) [m] of the integral
+    ends : (m, 2, nodal) weights in c' at both ends of each piece
+    starts : (m,) whether a piece begins at a point of the path
     """
 
     def __init__(self, model: RodModel, points: Floats) -> None:
-        elements, rows, lengths = [], [], []
-        for element, x, slopes, weight in _pieces(model, points):
-            rows.append(tangent_weights(model, element, x, points, slopes))
-            elements.append(element)
-            lengths.append(weight)
-        self.dofs = model.dofs[elements]
-        self.a = np.array(rows)
-        self.weight = np.array(lengths)
+        xi, share = gauss(model.axial_points)
+        pieces = list(_pieces(model, points))
+        rows = []
+        for element, a, b, slopes, _ in pieces:
+            x = a + 0.5 * (b - a) * (1.0 + np.array([-1.0, *xi, 1.0]))
+            rows.append(_tangent_weights(model, element, x, points, slopes))
+        every = np.array(rows)
+        self.dofs = model.dofs[[element for element, *_ in pieces]]
+        self.a = every[:, 1:-1]
+        self.ends = every[:, [0, -1]]
+        self.weight = 0.5 * np.array([[b - a] for _, a, b, *_ in pieces]) * share
+        self.starts = np.array([starts for *_, starts in pieces])
 
     def tangents(self, e: Floats) -> tuple[Floats, Floats]:
         """t (m, points, 3) and |c'| (m, points) at the nodal vectors e (m, nodal, 3)."""
@@ -69,7 +75,7 @@ class TendonPath:
         return K.reshape(len(K), size, size)
 
 
-def tangent_weights(model: RodModel, element: int, x: Floats, points: Floats, slopes: Floats) -> Floats:
+def _tangent_weights(model: RodModel, element: int, x: Floats, points: Floats, slopes: Floats) -> Floats:
     """a (points, nodal) at places x [m] inside one element; slopes (2,) of y and z there."""
     h = float(model.mesh.h[element])
     xi = 2.0 * (x - model.mesh.breaks[element]) / h - 1.0
@@ -80,9 +86,8 @@ def tangent_weights(model: RodModel, element: int, x: Floats, points: Floats, sl
     return np.einsum("pk,pkn->pn", phi, N_x) + np.einsum("pk,pkn->pn", along, N)
 
 
-def _pieces(model: RodModel, points: Floats) -> Iterator[tuple[int, Floats, Floats, Floats]]:
-    """Element, points x, slopes (y', z') and weights of every piece of the path that lies in one element."""
-    xi, weight = gauss(model.axial_points)
+def _pieces(model: RodModel, points: Floats) -> Iterator[tuple[int, float, float, Floats, bool]]:
+    """Element, ends [m], slopes (y', z') of each piece in one element, and whether a path point begins it."""
     path = points * [model.rod.length, 1.0, 1.0]
     breaks = model.mesh.breaks
     for (x_a, *from_), (x_b, *to) in pairwise(path):
@@ -92,5 +97,10 @@ def _pieces(model: RodModel, points: Floats) -> Iterator[tuple[int, Floats, Floa
             np.searchsorted(breaks, x_b, side="left"),
         )
         for element in range(first, last):
-            a, b = max(x_a, breaks[element]), min(x_b, breaks[element + 1])
-            yield int(element), a + 0.5 * (b - a) * (1.0 + xi), slopes, 0.5 * (b - a) * weight
+            yield (
+                int(element),
+                max(x_a, breaks[element]),
+                min(x_b, breaks[element + 1]),
+                slopes,
+                element == first,
+            )

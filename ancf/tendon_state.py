@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TendonState:
-    """Tension [N] by which a tendon is pulled, and length [m] of its path through the rod.
+    """Tension [N] by which a tendon is pulled, what friction leaves of it, and length [m] of its path.
 
     slack: the cable of a tendon of controlled length is longer than the path by this much [m]; 0 where it
     pulls, None for a tendon of given tension.
@@ -27,10 +27,13 @@ class TendonState:
     tension: float
     length: float
     slack: float | None
+    end_tension: float  # N, at the last point of the path
 
     def as_dict(self) -> dict[str, Any]:
         """Plain Python."""
         found = {"rod": self.tendon.rod, "tension": self.tension, "length": self.length}
+        if self.tendon.friction:
+            found["end_tension"] = self.end_tension
         return found if self.slack is None else {**found, "slack": self.slack}
 
 
@@ -42,9 +45,10 @@ def tendon_states(model: Model, q: Floats, load_factor: float) -> list[TendonSta
     for tendon in model.scene.tendons:
         if tendon.tension is None:
             one = next(controlled)
-            found.append(TendonState(tendon, one.tension(q), one.length(q), one.slack(q)))
+            found.append(TendonState(tendon, one.tension(q), one.length(q), one.slack(q), one.tension(q)))
         else:
             effect = next(pulled)
-            length = effect.length(q[effect.dofs].reshape(len(effect.dofs), -1, 3))
-            found.append(TendonState(tendon, load_factor * tendon.tension, length, None))
+            e, tension = q[effect.dofs].reshape(len(effect.dofs), -1, 3), load_factor * tendon.tension
+            left = tension * effect.end_share(e)
+            found.append(TendonState(tendon, tension, effect.length(e), None, left))
     return found

@@ -69,7 +69,7 @@ def _tendon(scene: Scene) -> tuple[Floats, float]:
     if tendon.length is not None:
         return tendon_rod_of_length(*numbers, tendon.length, tendon.path)[:2]
     assert tendon.tension is not None
-    return tendon_rod(*numbers, tendon.tension, tendon.path)
+    return tendon_rod(*numbers, tendon.tension, tendon.path, tendon.friction)
 
 
 def _chamber(scene: Scene) -> tuple[Floats, float]:

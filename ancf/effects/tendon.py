@@ -1,4 +1,4 @@
-r"""Tendons: cables of given tension through points of the sections, without friction.
+r"""Tendons: cables of given tension through points of the sections; with friction: tendon_friction.py.
 
 A tendon is pulled by its tension T along its whole path, so with its length l (tendon_path.py)
 
@@ -26,7 +26,15 @@ Floats = NDArray[np.float64]
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """Tendons of given tension of the scene."""
     models = {model.rod.name: model for model in rods}
-    return [PulledTendon(models[t.rod], t) for t in scene.pulled_tendons]
+    found: list[Effect] = []
+    for tendon in scene.pulled_tendons:
+        if tendon.friction > 0.0:
+            from ancf.effects.tendon_friction import RubbingTendon
+
+            found.append(RubbingTendon(models[tendon.rod], tendon))
+        else:
+            found.append(PulledTendon(models[tendon.rod], tendon))
+    return found
 
 
 class PulledTendon(Effect):
@@ -44,6 +52,10 @@ class PulledTendon(Effect):
         """Length [m] at the nodal vectors e (m, nodal, 3)."""
         return self.path.length(e)
 
+    def end_share(self, e: Floats) -> float:
+        """Share of the tension at the last point of the path."""
+        return 1.0
+
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         return -self.tension * self.path.slope(e)
@@ -52,6 +64,6 @@ class PulledTendon(Effect):
         """See `Effect.force_and_tangent`; symmetric."""
         return self.force(e), -self.tension * self.path.bend(e)
 
-    def potential(self, e: Floats) -> float:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: V = T l."""
         return self.tension * self.length(e)

@@ -75,6 +75,7 @@ def test_examples_are_valid(path: Path):
         "shallow-arch": 1.0,
         "tendon-arm": 0.3,
         "tendon-lengths": 0.3,
+        "tendon-friction": 0.3,
         "pneumatic-finger": 0.1,
         "magnetic-catheter": 0.05,
     }

@@ -202,7 +202,6 @@ BAD = {
     "beyond the rod": ({"path": [[0, 0, 0], [1.2, 0, 0]]}, "path[1][0]"),
     "another rod": ({"rod": "leg"}, "leg"),
     "tension and length": ({"length": 0.38}, "both a tension and a length"),
-    "friction": ({"friction": 0.1}, "not in this version"),
     "misspelt": ({"tensoin": 1.0}, "tension"),
 }
 
