@@ -41,7 +41,7 @@ class RubbingTendon(PulledTendon):
         unknowns = np.unique(self.path.dofs)
         self.dofs = unknowns[None]
         self.places = np.searchsorted(unknowns, self.path.dofs)  # (m, nd), of the pieces in the block
-        # Weights of the tangents in order: at the first point, the points of integration and the last one, and
+        # Weights of the tangents in order: at the first point, points of integration and the last one, and
         # on both sides of a kink of the path, which is not to be cut short.
         along, piece_of, inner = [], [], []
         count = len(self.path.a)
