@@ -18,7 +18,7 @@ import numpy as np
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
-from ancf.scene_joints import joined_rods, read_joints
+from ancf.scene_joints import joined_rods, motion_as_joint, read_joints
 from ancf.scene_loads import (
     read_force,
     read_gravity,
@@ -46,6 +46,7 @@ SCENE_KEYS = (
     "tendon",
     "pressure",
     "joint",
+    "motion",
     "solver",
     "stability",
 )
@@ -138,7 +139,11 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
         pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
-        joints=read_joints(table.tables("joint"), entries, rods),
+        joints=read_joints(
+            [*table.tables("joint"), *(motion_as_joint(entry) for entry in table.tables("motion"))],
+            entries,
+            rods,
+        ),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),
