@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import ancf
 from ancf.coupled_system import CoupledSystem
 from ancf.model import Model
+from ancf.newton import NewtonRun
 from ancf.predictor import load_start
 
 L, RADIUS, YOUNG = 0.5, 2.5e-3, 1e6
@@ -325,3 +326,23 @@ def test_a_length_out_of_reach_has_no_equilibrium():
     solution = ancf.solve(scene([tendon(length=0.05 * L)], solver={"max_steps": 20}))
     assert solution.status != "converged" and solution.reason
     assert solution.load_factor < 1.0
+
+
+def test_sides_that_loads_change_are_chosen_at_once():
+    """A force bends the rod over: linear theory without it names the wrong tendon, about it the right one."""
+    forces = [{"value": [0.0, 1.5 * EI / L**2, 0.0]}]
+    model = Model(scene(ring([0.0005, -0.0006]), force=forces))
+    run = NewtonRun(model, load_start(model), 1.0)
+    assert model.constraints.sides == (True, False)
+    while not run.done:
+        run.advance(*model.residual_and_tangent(run.q, 1.0, run.q_previous))
+    assert run.result.converged and run.sides_tried == 2
+    assert model.constraints.sides == (False, True)
+
+
+def test_a_slack_tendon_does_not_hold_a_column():
+    """2 % above Euler's load, pi^2 E I/(4 L^2), a round column has two negative eigenvalues."""
+    forces = [{"value": [-1.02 * np.pi**2 / 4 * EI / L**2, 0, 0]}]
+    solution = ancf.solve(scene([tendon(length=1.1 * L)], force=forces))
+    _, flat = solution.model.residual_and_tangent(solution.q, 1.0)
+    assert solution.model.system.negative_eigenvalues(flat) == 2
