@@ -110,7 +110,8 @@ def balance(solution: Solution, name: str | None = None) -> Balance:
 def _carried(solution: Solution, rods: list[RodModel]) -> dict[str, Resultant]:
     """What the ground, and joints with other rods, exert on these rods."""
     found: dict[str, list[Resultant]] = {}
-    models = [] if solution.model.joints is None else solution.model.joints.models
+    constraints = solution.model.constraints
+    models = [] if constraints is None else constraints.joints
     for carried, model in zip(solution.joints, models, strict=True):
         inside = [any(section.rod is rod for rod in rods) for section in model.sections]
         if len(inside) > 1 and all(inside):

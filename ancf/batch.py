@@ -97,6 +97,7 @@ def solve_batch(
     *,
     forces: ArrayLike | None = None,
     tensions: ArrayLike | None = None,
+    lengths: ArrayLike | None = None,
     start: ArrayLike | None = None,
     engine: str = "auto",
 ) -> BatchSolution:
@@ -106,7 +107,8 @@ def solve_batch(
     ----------
     moments : (B, 3) [N m] values of the first [[moment]] of the scene, in its frame, or (B, k, 3) of all k
     forces : (B, 3) or (B, k, 3) [N], likewise; loads that are not given keep the values of the scene
-    tensions : (B,) [N] of the first tendon, or (B, k) of all k
+    tensions : (B,) [N] of the first tendon of given tension, or (B, k) of all k
+    lengths : (B,) [m] of the first tendon of controlled length, or (B, k) of all k
     start : nodal coordinates (n,) or (B, n) to begin from, as `BatchSolution.q`; None finds its own starts:
         closed form under moments, else solved neighbours in the order of the rows where they are near
     engine : "auto", or "numpy" | "fused" | "cuda" to insist on a form; "auto" takes a GPU that is present
@@ -128,10 +130,10 @@ def solve_batch(
     SceneError : the scene cannot be meshed.
     """
     started = time.perf_counter()
-    loads = read_rows(scene, moments, forces, tensions)
+    loads = read_rows(scene, moments, forces, tensions, lengths)
     if scene.solver.accuracy is not None:  # the mesh that the largest row needs serves all of them
         scene = solve(loads.scene).scene
-        loads = read_rows(scene, moments, forces, tensions)
+        loads = read_rows(scene, moments, forces, tensions, lengths)
     model = _model(scene, loads)
     begin = None if start is None else _starts(start, len(loads), model)
     chosen = _engine(model, engine, len(loads))
@@ -177,11 +179,11 @@ def _engine(model: Model, wanted: str, rows: int) -> str:
             SEE,
         )
     scene = model.scene
-    alone = scene.follows_path or model.joints is not None or model.contacts
+    alone = scene.follows_path or model.constraints is not None or model.contacts
     if alone or scene.solver.tangent != "analytic":
         refused = (
-            "The scene follows a path, has joints, contact or the finite-difference tangent: rows are solved"
-            " alone."
+            "The scene follows a path, has joints, tendons of given length, contact or the finite-difference"
+            " tangent: rows are solved alone."
         )
         form = "solve"
     else:

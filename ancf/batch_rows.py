@@ -16,10 +16,12 @@ from ancf.scene import Force, Moment, Scene, Tendon
 
 Floats = NDArray[np.float64]
 
+LOADS = ("moments", "forces", "tensions", "lengths")
+
 
 @dataclass(frozen=True, eq=False)
 class BatchLoads:
-    """Values in SCS of all moments, forces and tensions of a scene, a row for each sample.
+    """Values in SCS of all moments, forces, tensions and tendon lengths of a scene, a row for each sample.
 
     `scene` has loads of the largest row in place of its own: a load that acts in some rows has a node in all.
     """
@@ -27,14 +29,15 @@ class BatchLoads:
     scene: Scene
     moments: Floats  # (B, moments of the scene, 3) N m
     forces: Floats  # (B, forces of the scene, 3) N
-    tensions: Floats  # (B, tendons of the scene) N
+    tensions: Floats  # (B, tendons of given tension) N
+    lengths: Floats  # (B, tendons of controlled length) m
 
     def __len__(self) -> int:
         return len(self.moments)
 
     def row(self, index: int) -> Scene:
         """The scene of one row."""
-        return _with_values(self.scene, self.moments[index], self.forces[index], self.tensions[index])
+        return _with_values(self.scene, **{name: getattr(self, name)[index] for name in LOADS})
 
     def under(self, model: Model, index: int) -> Model:
         """The model of one row; `model` is that of `scene`."""
@@ -42,7 +45,7 @@ class BatchLoads:
 
     def taken(self, rows: NDArray[np.intp]) -> BatchLoads:
         """Some of the rows."""
-        parts = {name: getattr(self, name)[rows] for name in ("moments", "forces", "tensions")}
+        parts = {name: getattr(self, name)[rows] for name in LOADS}
         return replace(self, **parts)
 
     @cached_property
@@ -53,7 +56,8 @@ class BatchLoads:
         """
         moments = [self._unit(m) for m in self.scene.moments]
         forces = [self._unit(f) / self.scene.rod(f.rod).length for f in self.scene.forces]
-        tendons = [self._unit(t) / self.scene.rod(t.rod).section.outer_radius for t in self.scene.tendons]
+        pulled = self.scene.pulled_tendons
+        tendons = [self._unit(t) / self.scene.rod(t.rod).section.outer_radius for t in pulled]
         return np.concatenate(
             [
                 self.tensions / np.array(tendons),
@@ -92,14 +96,19 @@ class RowsResult:
 
 
 def read_rows(
-    scene: Scene, moments: ArrayLike | None, forces: ArrayLike | None, tensions: ArrayLike | None = None
+    scene: Scene,
+    moments: ArrayLike | None,
+    forces: ArrayLike | None,
+    tensions: ArrayLike | None = None,
+    lengths: ArrayLike | None = None,
 ) -> BatchLoads:
     """The rows of a batch from what the caller gives (batch.py).
 
     Raises `InputError` for no rows, a wrong shape, numbers that are not finite, or loads the scene has not.
     """
-    given = {"moments": moments, "forces": forces, "tensions": tensions}
-    of_scene = {"moments": scene.moments, "forces": scene.forces, "tensions": scene.tendons}
+    given = dict(zip(LOADS, (moments, forces, tensions, lengths), strict=True))
+    pulled, controlled = scene.pulled_tendons, scene.controlled_tendons
+    of_scene = dict(zip(LOADS, (scene.moments, scene.forces, pulled, controlled), strict=True))
     tables = {name: _values(name, v, of_scene[name]) for name, v in given.items() if v is not None}
     if not tables:
         refuse_batch("The batch has no rows.", ", ".join(given), "none was given", "nothing to solve for")
@@ -116,23 +125,27 @@ def read_rows(
             axes = [scene.load_axes(load) for load in loads[: table.shape[1]]]
             values[:, : table.shape[1]] = np.einsum("lij,blj->bli", axes, table)
         filled[name] = values
-    pulls = np.tile([tendon.tension for tendon in scene.tendons], (rows, 1))
-    if "tensions" in tables:
-        pulls[:, : tables["tensions"].shape[1]] = tables["tensions"][..., 0]
+    own = {"tensions": [t.tension for t in pulled], "lengths": [t.length for t in controlled]}
+    for name, values in own.items():
+        filled[name] = np.tile(np.array(values, float), (rows, 1))
+        if name in tables:
+            filled[name][:, : tables[name].shape[1]] = tables[name][..., 0]
     most_bent, most_pushed = (
         values[np.argmax(np.linalg.norm(values, axis=-1), axis=0), np.arange(values.shape[1])]
-        for values in filled.values()
+        for values in (filled["moments"], filled["forces"])
     )
-    largest = _with_values(scene, most_bent, most_pushed, pulls.max(axis=0))
-    return BatchLoads(largest, **filled, tensions=pulls)
+    most_pulled, shortest = filled["tensions"].max(axis=0), filled["lengths"].min(axis=0)
+    return BatchLoads(_with_values(scene, most_bent, most_pushed, most_pulled, shortest), **filled)
 
 
 def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon]) -> Floats:
-    """Values (B, k, 3) of the first k loads, as given, checked; of tensions (B, k, 1)."""
-    kind, components = ("tendon", 1) if name == "tensions" else (name[:-1], 3)
+    """Values (B, k, 3) of the first k loads, as given, checked; of tensions and lengths (B, k, 1)."""
+    kind, components = ("tendon", 1) if name in ("tensions", "lengths") else (name[:-1], 3)
     if not loads:
+        which = f" with a {name[:-1]}" if components == 1 else ""
         refuse_batch(
-            f"The scene has no {kind} for the rows of a batch.", name, f"no [[{kind}]] in the scene",
+            f"The scene has no {kind}{which} for the rows of a batch.", name,
+            f"no [[{kind}]]{which} in the scene",
             f"a batch varies the [[{kind}]] tables of its scene", f"add a [[{kind}]] with any value",
         )  # fmt: skip
     try:
@@ -162,7 +175,13 @@ def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon
             f"{values[bad[0]].tolist()} in {len(bad)} of {len(values)} rows",
             "a division by zero or missing data where the rows were made", "remove these rows",
         )  # fmt: skip
-    if components == 1 and values.min() < 0.0:
+    if name == "lengths" and values.min() <= 0.0:
+        row = int(np.argmin(values.min(axis=(1, 2))))
+        refuse_batch(
+            "A tendon has a length.", f"{name}[{row}]", f"length {values[row].min():g} m, must be > 0",
+            "a sign, or changes of length in the place of lengths", "give the lengths themselves",
+        )  # fmt: skip
+    if name == "tensions" and values.min() < 0.0:
         row = int(np.argmin(values.min(axis=(1, 2))))
         refuse_batch(
             "A tendon cannot push.", f"{name}[{row}]", f"tension {values[row].min():g} N, must be >= 0",
@@ -171,13 +190,15 @@ def _values(name: str, given: ArrayLike, loads: Sequence[Moment | Force | Tendon
     return values
 
 
-def _with_values(scene: Scene, moments: Floats, forces: Floats, tensions: Floats) -> Scene:
+def _with_values(scene: Scene, moments: Floats, forces: Floats, tensions: Floats, lengths: Floats) -> Scene:
+    pulls, wanted = iter(tensions.tolist()), iter(lengths.tolist())
     return replace(
         scene,
         moments=tuple(replace(m, value=value) for m, value in zip(scene.moments, moments, strict=True)),
         forces=tuple(replace(f, value=value) for f, value in zip(scene.forces, forces, strict=True)),
         tendons=tuple(
-            replace(t, tension=float(value)) for t, value in zip(scene.tendons, tensions, strict=True)
+            replace(t, length=next(wanted)) if t.tension is None else replace(t, tension=next(pulls))
+            for t in scene.tendons
         ),
     )
 

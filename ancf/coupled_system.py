@@ -1,13 +1,13 @@
-r"""The linear system of rods with joints, or with effects that couple more than an element: a sparse one.
+r"""The linear system of rods with constraints, or effects that couple more than an element: a sparse one.
 
-The multipliers of the joints are among the unknowns:
+The multipliers of joints and of tendons of given length (constraints.py) are among the unknowns:
 
     [ K   C^T ] [ dq      ]
-    [ C    0  ] [ dlambda ]        K with the second derivatives of the joints (joints.py),
+    [ C    0  ] [ dlambda ]        K with the second derivatives of the conditions,
 
-projected onto the supports and made dimensionless as without joints (linear_system.py), then factorised with
-pivoting (SuperLU). The tangent is kept flat: the band of the rods, then the dense block of each joint, then
-those of each coupled effect.
+projected onto the supports and made dimensionless as without them (linear_system.py), then factorised with
+pivoting (SuperLU). The tangent is kept flat: the band of the rods, then the entries of each constraint, then
+the blocks of each coupled effect.
 
 An equilibrium is stable if K is positive on the motions that C leaves. With C of full rank, which the scene's
 check sees to, K has there as many negative eigenvalues as the whole matrix less one for each condition. They
@@ -39,9 +39,9 @@ from ancf.band import (
     named_failure,
     negative_eigenvalues,
 )
+from ancf.constraints import Constraints
 from ancf.counters import Counters
 from ancf.effects import Effect
-from ancf.joints import Joints
 from ancf.linear_system import LinearSystem
 from ancf.supports import NodeSupport
 
@@ -94,7 +94,7 @@ class SparseLU:
 
     @property
     def determinant_sign(self) -> int:
-        """Sign of the determinant on the motions that the joints leave.
+        """Sign of the determinant on the motions that the constraints leave.
 
         Each condition brings a negative eigenvalue of its own, which is not counted.
         """
@@ -136,13 +136,13 @@ def _odd(permutation: Indices) -> int:
 
 
 class CoupledSystem(LinearSystem):
-    """Linear algebra of one model with joints or coupled effects; the unknowns of the rods come first.
+    """Linear algebra of one model with constraints or coupled effects; the unknowns of the rods come first.
 
     Parameters
     ----------
     pattern : band of the rods' tangent
     unit, force_unit : (n,) of the rods' unknowns and the multipliers
-    joints : None where there is none
+    constraints : None where there is none
     effects : those that are `coupled`
     """
 
@@ -153,11 +153,11 @@ class CoupledSystem(LinearSystem):
         unit: Floats,
         force_unit: Floats,
         counters: Counters,
-        joints: Joints | None,
+        constraints: Constraints | None,
         effects: list[Effect],
     ) -> None:
         super().__init__(pattern, supports, unit, force_unit, counters)
-        self.joints = joints
+        self.constraints = constraints
         self.effects = effects
         self.conditions = len(unit) - pattern.n
 
@@ -172,10 +172,11 @@ class CoupledSystem(LinearSystem):
 
     def _blocks(self) -> tuple[Indices, Indices]:
         """Row and column of each entry of the blocks, which an effect may have changed."""
-        joints = [] if self.joints is None else [joint.dofs[None] for joint in self.joints.models]
-        dofs = [*joints, *(effect.dofs for effect in self.effects)]
-        rows = np.concatenate([np.repeat(d, d.shape[1], axis=1).ravel() for d in dofs])
-        return rows, np.concatenate([np.tile(d, d.shape[1]).ravel() for d in dofs])
+        constraints = [] if self.constraints is None else self.constraints.models
+        dofs = [effect.dofs for effect in self.effects]
+        rows = [one.rows for one in constraints] + [np.repeat(d, d.shape[1], axis=1).ravel() for d in dofs]
+        columns = [one.columns for one in constraints] + [np.tile(d, d.shape[1]).ravel() for d in dofs]
+        return np.concatenate(rows), np.concatenate(columns)
 
     @cached_property
     def _projector(self) -> sparse.csr_array:
@@ -218,17 +219,20 @@ class CoupledSystem(LinearSystem):
             return SparseLU(lu, self.conditions, _neutral(A, lu, self.pattern.n))
 
     def is_positive_definite(self, flat: Floats) -> bool:
-        """Whether a symmetric tangent is positive on the motions that supports and joints allow."""
+        """Whether a symmetric tangent is positive on the motions that supports and constraints allow."""
         with self.counters.solving():
             return self.negative_eigenvalues(flat) == 0
 
     @named_failure()
     def negative_eigenvalues(self, flat: Floats) -> int:
-        """Number of negative eigenvalues on the motions that supports and joints allow."""
+        """Number of negative eigenvalues on the motions that supports and constraints allow."""
         # Rods of different stiffness have different units: one for all makes the matrix symmetric.
         energy = self.unit * self.force_unit
         scale: Any = sparse.diags_array(energy / np.max(energy))
         A: Any = scale @ self.matrix(flat)
+        n = self.pattern.n
+        # By the columns of the conditions: a slack tendon acts on nothing, and its row is none of theirs.
+        A = sparse.block_array([[A[:n, :n], A[:n, n:]], [A[:n, n:].T, A[n:, n:]]])
         A = (0.5 * (A + A.T)).tocsr()
         conditions = self.conditions
         neutral = _neutral(A, splu(A.tocsc()), self.pattern.n)
@@ -236,8 +240,8 @@ class CoupledSystem(LinearSystem):
             v, conditions = neutral.motion[:, None], conditions + 1
             A = sparse.block_array([[A, v], [v.T, None]]).tocsr()
         held = np.zeros(A.shape[0], dtype=bool)
-        if self.joints is not None:
-            held[self.joints.held_dofs] = True
+        if self.constraints is not None:
+            held[self.constraints.held_dofs] = True
         for effect in self.effects:
             held[effect.dofs] = True
         held[self.pattern.n :] = True

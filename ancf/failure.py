@@ -64,6 +64,10 @@ _CAUSES = {
         "the path turns sharply or branches there",
         "start the path with a small imperfection, or use more elements",
     ),
+    Outcome.CHATTERING: (
+        "tendons of given length change between taut and slack: near there the rod is not stable",
+        "give one of them a tension, or change the lengths slightly",
+    ),
     Outcome.STAGNATED: (
         "round-off: the residual cannot fall below what float64 leaves at this stiffness ratio",
         "loosen `tolerance`, or use fewer elements or a less slender rod",
@@ -221,10 +225,9 @@ def element_turns(rod: RodModel, q: Floats) -> Floats:
 
 
 def _owner(model: Model, dof: int) -> tuple[str, int]:
-    """Rod and node of an unknown; of a joint's multiplier, those of its first section."""
-    if model.joints and dof >= model.motions:
-        joint = next(j for j in model.joints.models if dof <= j.multipliers[-1])
-        dof = int(joint.sections[0].held_dofs[0])
+    """Rod and node of an unknown; of a multiplier, the first that its constraint acts on."""
+    if model.constraints and dof >= model.motions:
+        dof = int(next(one for one in model.constraints.models if dof <= one.multipliers[-1]).dofs[0])
     for rod in model.rods:
         if dof < rod.first_dof + rod.size:
             return rod.rod.name, (dof - rod.first_dof) // (3 * len(rod.element.vectors))

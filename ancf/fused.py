@@ -101,8 +101,8 @@ def _reason(model: Model) -> str:
     scene = model.scene
     if importlib.util.find_spec("numba") is None:
         return "numba is not installed (extra `fast`)."
-    if len(model.rods) != 1 or model.joints is not None:
-        return "The fused kernel solves one rod without joints."
+    if len(model.rods) != 1 or model.constraints is not None:
+        return "The fused kernel solves one rod without joints or tendons of given length."
     (rod,) = model.rods
     if rod.elastic.assumed is not None:
         return "The fused kernel takes no assumed strains."

@@ -36,10 +36,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.constraints import Constraint, ConstraintTerms
 from ancf.joint_closing import closing_motion
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import SectionRotation, exp, hat, section_rotation
-from ancf.scene import Joint, Place, Scene
+from ancf.scene import Joint, Place
 from ancf.section_energy import force_weights
 
 Floats = NDArray[np.float64]
@@ -112,17 +113,10 @@ def turning_conditions(joint: Joint) -> tuple[Floats, Floats, Floats]:
     return np.empty((0, 1)), np.empty((0, 1, 3)), np.empty((0, 1, 3))
 
 
-@dataclass(frozen=True)
-class JointTerms:
-    """What a joint adds to the residual: g (nd,), dg/dl (nd,) and dg/dx (nd, nd)."""
-
-    g: Floats
-    rate: Floats
-    tangent: Floats
-
-
-class JointModel:
+class JointModel(Constraint):
     """Arrays of one joint; its multipliers are the unknowns from `first` on."""
+
+    name = "joint"
 
     def __init__(self, joint: Joint, rods: list[RodModel], first: int) -> None:
         self.joint = joint
@@ -134,26 +128,17 @@ class JointModel:
         if joint.kind == "ball":  # which turns nothing
             self.rotation = np.zeros(3)
         self.w, self.x, self.y = turning_conditions(joint)
-        self.conditions = 3 + len(self.w)
-        self.multipliers = first + np.arange(self.conditions)
+        self.multipliers = first + np.arange(3 + len(self.w))
         self.dofs = np.concatenate([*(s.point.dofs for s in self.sections), self.multipliers])
+        self.rows, self.columns = np.repeat(self.dofs, len(self.dofs)), np.tile(self.dofs, len(self.dofs))
+        self.held_dofs = np.concatenate([s.held_dofs for s in self.sections])
         # By the first rod: the unit of force is its E I / L^2, of moment E I / L.
         rod = self.sections[0].rod
         self.energy = rod.bending_stiffness / rod.rod.length
-        self.length = rod.rod.length
+        self.gap_unit = np.repeat([rod.rod.length, 1.0], [3, len(self.w)])
+        self.longest_step = self._longest_step()
 
-    @property
-    def unit(self) -> Floats:
-        """Units of the multipliers: force and moment."""
-        return self.energy / self.gap_unit
-
-    @property
-    def gap_unit(self) -> Floats:
-        """Units of the conditions: length and radian."""
-        return np.repeat([self.length, 1.0], [3, self.conditions - 3])
-
-    @property
-    def longest_step(self) -> float:
+    def _longest_step(self) -> float:
         """Largest step of the load factor, by which the prescribed motion stays near; inf without one."""
         turn, shift = np.linalg.norm(self.rotation), np.linalg.norm(self.displacement)
         steps = [LONGEST_TURN / turn if turn else np.inf]
@@ -170,8 +155,8 @@ class JointModel:
         turn = exp(load_factor * self.rotation)
         return rotations[1].R @ turn if len(rotations) > 1 else turn
 
-    def terms(self, x: Floats, load_factor: float) -> JointTerms:
-        """Residual, its rate with the load factor, and its tangent, all of this joint alone."""
+    def terms(self, x: Floats, load_factor: float) -> ConstraintTerms:
+        """See `Constraint.terms`."""
         e = self._vectors(x)
         rotations = [s.rotation(part) for s, part in zip(self.sections, e, strict=True)]
         force, mu = x[-self.conditions :][:3], x[-self.conditions :][3:]
@@ -213,7 +198,7 @@ class JointModel:
         rate[turn] = -m_i @ turning
         for b, w_b in others:
             rate[b] = w_b.T @ M.T @ turning
-        return JointTerms(g, rate, K)
+        return ConstraintTerms(g, rate, K.ravel())
 
     def closed(self, x: Floats, load_factor: float) -> bool:
         """Whether the rotations fit, and not as the opposite that the conditions also allow."""
@@ -230,42 +215,3 @@ class JointModel:
         X, Y = self.x @ rotations[0].R.T, self.y @ self._other(rotations, load_factor).T
         m_i = np.einsum("it,itj->ij", self.w, np.cross(X, Y))
         return -x[-self.conditions :][:3], -x[-self.conditions :][3:] @ m_i
-
-
-class Joints:
-    """All joints of a model; their unknowns follow those of the rods."""
-
-    def __init__(self, scene: Scene, rods: list[RodModel], first: int) -> None:
-        self.models: list[JointModel] = []
-        for joint in scene.joints:
-            self.models.append(JointModel(joint, rods, first))
-            first += self.models[-1].conditions
-        self.end = first
-
-    @property
-    def unit(self) -> Floats:
-        """Units of all multipliers."""
-        return np.concatenate([joint.unit for joint in self.models])
-
-    @property
-    def gap_unit(self) -> Floats:
-        """Units of all conditions."""
-        return np.concatenate([joint.gap_unit for joint in self.models])
-
-    @property
-    def longest_step(self) -> float:
-        """Largest step of the load factor for all prescribed motions."""
-        return min(joint.longest_step for joint in self.models)
-
-    def terms(self, q: Floats, load_factor: float) -> list[JointTerms]:
-        """Terms of each joint at the unknowns q (n,)."""
-        return [joint.terms(q[joint.dofs], load_factor) for joint in self.models]
-
-    def closed(self, q: Floats, load_factor: float) -> bool:
-        """Whether every joint fits."""
-        return all(joint.closed(q[joint.dofs], load_factor) for joint in self.models)
-
-    @cached_property
-    def held_dofs(self) -> Indices:
-        """Unknowns of the rods that joints hold, in order."""
-        return np.unique(np.concatenate([s.held_dofs for joint in self.models for s in joint.sections]))

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,7 +33,7 @@ from ancf.supports import NodeSupport
 if TYPE_CHECKING:
     from scipy import sparse
 
-    from ancf.joints import Joints
+    from ancf.constraints import Constraints
     from ancf.scene_plane import Plane
 
 Floats = NDArray[np.float64]
@@ -72,15 +74,18 @@ class Model:
             self.rods.append(model)
             first_dof += model.size
         self.motions = first_dof
-        self.joints: Joints | None = None
-        if scene.joints:
-            from ancf.joints import Joints
-
-            self.joints = Joints(scene, self.rods, first_dof)
-        self.n = first_dof if self.joints is None else self.joints.end
+        self.constraints = self._constraints_of(scene)
+        self.n = first_dof if self.constraints is None else self.constraints.end
         self.effects = load_effects(scene, self.rods)
         self.supports: list[NodeSupport] = [s for rod in self.rods for s in rod.node_supports()]
         self.counters = Counters()
+
+    def _constraints_of(self, scene: Scene) -> Constraints | None:
+        if not scene.constrained:
+            return None
+        from ancf.constraints import Constraints
+
+        return Constraints(scene, self.rods, self.motions)
 
     @cached_property
     def q0(self) -> Floats:
@@ -95,16 +100,16 @@ class Model:
         for model in self.rods:
             per_node = [model.rod.length ** (1 - sum(order)) for order in model.element.vectors]
             parts.append(np.tile(np.repeat(per_node, 3), len(model.q0)))
-        if self.joints is not None:
-            parts.append(self.joints.unit)
+        if self.constraints is not None:
+            parts.append(self.constraints.unit)
         return np.concatenate(parts)
 
     @cached_property
     def force_unit(self) -> Floats:
         """Unit of each generalised force (n,): E I / L divided by the unit of the unknown."""
         energy = [np.full(m.size, m.bending_stiffness / m.rod.length) for m in self.rods]
-        if self.joints is not None:
-            energy += [np.full(joint.conditions, joint.energy) for joint in self.joints.models]
+        if self.constraints is not None:
+            energy += [np.full(one.conditions, one.energy) for one in self.constraints.models]
         return np.concatenate(energy) / self.unit
 
     def largest_motion(self, dq: Floats) -> float:
@@ -114,7 +119,7 @@ class Model:
     @property
     def longest_step(self) -> float:
         """Largest step of the load factor that prescribed motions allow; inf without one."""
-        return np.inf if self.joints is None else self.joints.longest_step
+        return np.inf if self.constraints is None else self.constraints.longest_step
 
     def longest_change(self, q: Floats, rate: Floats) -> float:
         """Largest step of a parameter by which prescribed motions change the forces of joints mildly.
@@ -130,10 +135,6 @@ class Model:
             return np.inf
         force, change = (np.max(np.abs(v / self.unit)[self.motions :]) for v in (q, rate))
         return float(max(force, FIRST_FORCE) / change) if change > 0.0 else np.inf
-
-    def joints_closed(self, q: Floats, load_factor: float) -> bool:
-        """Whether no joint has met its conditions the wrong way round, half a turn off."""
-        return self.joints is None or self.joints.closed(q, load_factor)
 
     @cached_property
     def contacts(self) -> list[Effect]:
@@ -181,22 +182,23 @@ class Model:
             for rod in self.rods:
                 add_blocks(Q_int, rod.dofs, rod.elastic.force(rod.element_vectors(q)))
         self._effect_sums.forces(Q_int, Q_ext, q)
-        self._add_joints(Q_int, Q_ext, q, load_factor)
+        self._add_constraints(Q_int, Q_ext, q, load_factor)
         return Residual(Q_int, Q_ext)
 
-    def _add_joints(self, Q_int: Floats, Q_ext: Floats, q: Floats, load_factor: float) -> list[Floats]:
-        """Add the joints, linear in the load factor about this one; their tangents (nd nd,).
+    def _add_constraints(self, Q_int: Floats, Q_ext: Floats, q: Floats, load_factor: float) -> list[Floats]:
+        """Add the constraints, linear in the load factor about this one; entries of their tangents.
 
-        So Q_ext is -dg/dl of the whole system also where a joint moves a section.
+        So Q_ext is -dg/dl of the whole system also where a motion is prescribed.
         """
-        if self.joints is None:
-            return []
         tangents = []
-        with self.counters.effect("joint"):
-            for joint, terms in zip(self.joints.models, self.joints.terms(q, load_factor), strict=True):
-                np.add.at(Q_int, joint.dofs, terms.g - load_factor * terms.rate)
-                np.subtract.at(Q_ext, joint.dofs, terms.rate)
-                tangents.append(terms.tangent.ravel())
+        models = [] if self.constraints is None else self.constraints.models
+        for name, group in groupby(models, key=attrgetter("name")):
+            with self.counters.effect(name):
+                for one in group:
+                    terms = one.terms(q[one.dofs], load_factor)
+                    np.add.at(Q_int, one.dofs, terms.g - load_factor * terms.rate)
+                    np.subtract.at(Q_ext, one.dofs, terms.rate)
+                    tangents.append(terms.tangent)
         return tangents
 
     def residual_and_tangent(
@@ -204,7 +206,7 @@ class Model:
     ) -> tuple[Residual, Floats]:
         """Generalised forces and the tangent dg/dq in flat band storage, supports not yet applied.
 
-        The blocks of joints and coupled effects follow the band (coupled_system.py).
+        The entries of constraints and coupled effects follow the band (coupled_system.py).
 
         `q_previous` switches on the mixed-integration-point tangent (energy.py).
         """
@@ -240,7 +242,7 @@ class Model:
             entries = np.bincount(places, K_e.ravel())
             flat[begin : begin + len(entries)] += entries
         coupled = self._effect_sums.terms(Q_int, Q_ext, flat, q, load_factor)
-        blocks = self._add_joints(Q_int, Q_ext, q, load_factor) + coupled
+        blocks = self._add_constraints(Q_int, Q_ext, q, load_factor) + coupled
         if blocks:
             flat = np.concatenate([flat, *blocks])
         return Residual(Q_int, Q_ext), flat
@@ -252,6 +254,7 @@ class Model:
         model = copy(self)
         model.scene = scene
         model.effects = load_effects(scene, self.rods)
+        model.constraints = model._constraints_of(scene)
         model._effect_sums = self._effect_sums.of(model.effects)
         for made in ("contacts", "system") if self.contacts else ():  # their state belongs to one model
             vars(model).pop(made, None)
@@ -315,11 +318,11 @@ class Model:
         """Supports, scales, factorisation and solution of the tangent."""
         arguments = (self.pattern, self.supports, self.unit, self.force_unit, self.counters)
         coupled = [effect for effect in self.effects if effect.coupled]
-        if self.joints is None and not coupled:
+        if self.constraints is None and not coupled:
             return LinearSystem(*arguments)
         from ancf.coupled_system import CoupledSystem
 
-        return CoupledSystem(*arguments, self.joints, coupled)
+        return CoupledSystem(*arguments, self.constraints, coupled)
 
     def supported_tangent(self, q: Floats, load_factor: float) -> sparse.csr_array:
         """Tangent B_2^T K B_2 on the free unknowns [SI], for inspection (paper eq. 10, 38)."""

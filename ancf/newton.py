@@ -55,6 +55,7 @@ class Outcome(enum.Enum):
     STAGNATED = "residual stagnates above its floor"
     OUT_OF_TIME = "time limit reached"
     OFF_PATH = "the step lands on another branch"
+    CHATTERING = "tendons change between taut and slack without end"
 
 
 @dataclass(frozen=True)
@@ -114,6 +115,9 @@ class NewtonRun:
         self.done = False
         self._quiet = 0
         model.search(self.q)
+        self._sides: list[tuple[bool | None, ...]] = []  # tried so far; see tendon_length.py
+        if model.constraints is not None:
+            model.constraints.take_sides(self.q)
         if model.inside_out(self.q):
             self.end(Outcome.INVERTED)
 
@@ -172,10 +176,32 @@ class NewtonRun:
         forces = model.residual(self.q, self.load_factor)
         finite = _measure(model, result, model.system.project(forces.at(self.load_factor)))
         if finite and result.residual <= max(model.scene.solver.tolerance, result.floor):
-            closed = model.joints_closed(self.q, self.load_factor)
-            return Outcome.CONVERGED if closed else Outcome.OFF_PATH
+            return self._settled()
         self._quiet += 1
         return Outcome.STAGNATED if self._quiet == STAGNATION else None
+
+    def _settled(self) -> Outcome | None:
+        """An equilibrium: it counts where constraints are met as they are meant; tendons may change side."""
+        model, constraints = self.model, self.model.constraints
+        if constraints is None:
+            return Outcome.CONVERGED
+        self._sides.append(constraints.sides)
+        wrong = constraints.wrong_side(self.q, model.scene.solver.tolerance)
+        if wrong is not None:
+            self._quiet, first = 0, not wrong.side
+            q = constraints.choose_sides(model.scene, self.q)
+            if constraints.sides not in self._sides:
+                self.q = q
+                return None
+            for one, side in zip(constraints.tendons, self._sides[-1], strict=True):
+                one.side = first if one is wrong else side
+            return Outcome.CHATTERING if constraints.sides in self._sides else None
+        return Outcome.CONVERGED if constraints.closed(self.q, self.load_factor) else Outcome.OFF_PATH
+
+    @property
+    def sides_tried(self) -> int:
+        """How often tendons have changed between taut and slack."""
+        return len(self._sides)
 
 
 def newton(
@@ -191,9 +217,7 @@ def newton(
     `deadline` is a value of time.perf_counter().
     """
     run = NewtonRun(model, q, load_factor, border)
-    for _ in range(max_iterations):
-        if run.done:
-            break
+    while not run.done and len(run.result.history) < max_iterations * (1 + run.sides_tried):
         if time.perf_counter() > deadline:
             run.end(Outcome.OUT_OF_TIME)
             break
@@ -203,6 +227,8 @@ def newton(
             run.end(Outcome.NOT_FINITE)
             break
         run.advance(forces, flat)
+    if model.constraints is not None:
+        model.constraints.leave_sides()
     return run.result
 
 

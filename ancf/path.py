@@ -71,7 +71,7 @@ class Path:
         With joints: joint_path.py. Rotations go on from the last equilibrium by `share` of the way that leads
         to `other` (n,).
         """
-        if self.model.joints:
+        if self.model.scene.joints:
             return self._placed(shapes, linear, other, share)
         q = linear.copy()
         for rod, shape in zip(self.model.rods, shapes, strict=True):

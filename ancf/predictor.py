@@ -44,16 +44,17 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
     Known for rods held by one clamp (or free-section clamp): from their point moments alone in closed form,
     else from the equilibrium of a Kirchhoff rod (rod_start.py). Other rods keep their reference shape.
     """
-    if model.joints or model.scene.held_on_the_way:  # what joints, springs and obstacles carry is not known
+    if model.scene.joints or model.scene.held_on_the_way:  # by what joints, springs, obstacles carry
         return None
     q = model.q0.copy()
+    q[model.motions :], pulls = _tensions(model)
     found = False
     for rod in model.rods:
         if rod.rod.clamp is None:
             continue
         moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         loads = nodal_loads(model.scene, rod)
-        actuation = _actuation(model.scene, rod)
+        actuation = _actuation(model.scene, rod, pulls)
         spread = any(load.rod == rod.rod.name for load in model.scene.line_moments)
         frames, axial_strain = None if spread else _frames_by_moments(rod, moments), None
         if loads.forces or actuation.any() or ((moments or spread) and frames is None):
@@ -75,7 +76,7 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
         shape = _shape(rod, frames, axial_strain)
         q[rod.first_dof : rod.first_dof + rod.size] = shape.ravel()
         found = True
-    return q if found else None
+    return q if found or np.any(q[model.motions :]) else None
 
 
 def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
@@ -142,18 +143,28 @@ def _chain(rod: RodModel) -> Chain:
     )
 
 
-def _actuation(scene: Scene, rod: RodModel) -> Floats:
+def _tensions(model: Model) -> tuple[Floats, list[float]]:
+    """Estimates of the multipliers of tendons of given length, and the tensions [N] of all tendons."""
+    controlled = [] if model.constraints is None else model.constraints.tendons
+    found = [one.expected for one in controlled]
+    pulled = iter(found)
+    pulls = [max(next(pulled), 0.0) if t.tension is None else t.tension for t in model.scene.tendons]
+    return np.array(found), pulls
+
+
+def _actuation(scene: Scene, rod: RodModel, pulls: list[float]) -> Floats:
     """Curvature (n_nodes - 1, 3) that tendons and chambers give the rod between its nodes.
 
     Their couples (0, z N, -y N) turn with the sections: N = -T of a tension, p A of a chamber, at (y, z).
+    `pulls` are the tensions [N] of all tendons of the scene.
     """
     x = rod.mesh.node_x
     middle = 0.5 * (x[:-1] + x[1:]) / rod.rod.length
     moment = np.zeros((len(middle), 3))
-    for tendon in scene.tendons:
+    for tendon, tension in zip(scene.tendons, pulls, strict=True):
         if tendon.rod == rod.rod.name:
             at, y, z = tendon.path.T
-            inside = tendon.tension * ((middle > at[0]) & (middle < at[-1]))
+            inside = tension * ((middle > at[0]) & (middle < at[-1]))
             moment[:, 1] -= inside * np.interp(middle, at, z)
             moment[:, 2] += inside * np.interp(middle, at, y)
     for chamber in scene.pressures:

@@ -72,18 +72,15 @@ def chosen(scene: Scene, source: str = "") -> Reductions:
     `source` names the scene in the message.
     """
     options = scene.solver
-    path = options.method == "arclength" or (
-        scene.stability is not None and scene.stability.branch == "buckled"
-    )
     if options.reduction == "full":
         return Reductions(None, False)
     if options.reduction == "planar":
-        plane = _in_full(scene) if path or options.tangent != "analytic" else find_plane(scene)
+        plane = _in_full(scene) if scene.follows_path or options.tangent != "analytic" else find_plane(scene)
         if isinstance(plane, Message):
             where = f"{source}: {plane.where}" if source else plane.where
             raise SceneError(replace(plane, where=where))
         return Reductions(plane, has_potential(scene, plane))
-    if path or scene.joints or options.tangent != "analytic":
+    if scene.follows_path or scene.constrained or options.tangent != "analytic":
         return Reductions(None, False)
     plane = find_plane(scene)
     if isinstance(plane, Message):
@@ -99,8 +96,6 @@ def settled(model: Model) -> Reductions:
         effect.potential(model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)) is None for effect in others
     ):
         reductions = replace(reductions, symmetric=False)
-    if model.n > model.motions and model.joints is None:  # unknowns that are no motions of rods
-        return Reductions(None, False)
     return reductions
 
 
@@ -122,7 +117,7 @@ def reduced(model: Model, reductions: Reductions) -> Model:
 
         stays = model.scene.solver.reduction == "planar"
         return PlanarModel(model, reductions.plane, reductions.symmetric, stays)
-    if not reductions.symmetric:
+    if not reductions.symmetric or type(model.system) is not LinearSystem:
         return model
     found = copy(model)
     system = (model.pattern, model.supports, model.unit, model.force_unit, model.counters)

@@ -13,18 +13,51 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS
 from ancf.hyperelastic import Law
+from ancf.scene_effects import (
+    AddedEffect as AddedEffect,
+)
+from ancf.scene_effects import (
+    Contact as Contact,
+)
+from ancf.scene_effects import (
+    Force as Force,
+)
+from ancf.scene_effects import (
+    Foundation as Foundation,
+)
+from ancf.scene_effects import (
+    Gravity as Gravity,
+)
+from ancf.scene_effects import (
+    LineLoad as LineLoad,
+)
+from ancf.scene_effects import (
+    LineMoment as LineMoment,
+)
+from ancf.scene_effects import (
+    Magnet as Magnet,
+)
+from ancf.scene_effects import (
+    Moment as Moment,
+)
+from ancf.scene_effects import (
+    Pressure as Pressure,
+)
+from ancf.scene_effects import (
+    Spring as Spring,
+)
+from ancf.scene_effects import (
+    Tendon as Tendon,
+)
 from ancf.sections import Section
 from ancf.segments import Segment, starts
-
-if TYPE_CHECKING:
-    from ancf.obstacles import Obstacle
 
 SAME_PLACE = 1e-9  # fractions of the length closer than this are one place
 
@@ -145,146 +178,6 @@ def _totals(segments: tuple[Segment, ...]) -> dict[str, Any]:
     return dict(zip(_TOTALS, values, strict=True))
 
 
-@dataclass(frozen=True, eq=False)
-class Moment:
-    """A point moment [N m] on a section; ``value`` in SCS (BCS input is converted when the scene is read).
-
-    `frame` is that of the scene file, in which sweeps and sensitivities count the value.
-    """
-
-    rod: str
-    at: float
-    value: NDArray[np.float64]
-    direction: str = "fixed"
-    definition: str = "section"
-    frame: str = "structure"
-
-
-@dataclass(frozen=True, eq=False)
-class Force:
-    """A point force [N] at a point (y, z) of a section; ``value`` and ``frame`` as in `Moment`."""
-
-    rod: str
-    at: float
-    value: NDArray[np.float64]
-    offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
-    direction: str = "fixed"
-    frame: str = "structure"
-
-
-@dataclass(frozen=True, eq=False)
-class LineLoad:
-    """A force per reference length [N/m] on the centre line of a whole rod; as in `Moment`."""
-
-    rod: str
-    value: NDArray[np.float64]
-    direction: str = "fixed"
-    frame: str = "structure"
-
-
-@dataclass(frozen=True, eq=False)
-class LineMoment:
-    """A moment per reference length [N m/m] on the sections of a whole rod; as in `Moment`."""
-
-    rod: str
-    value: NDArray[np.float64]
-    direction: str = "fixed"
-    frame: str = "structure"
-
-
-@dataclass(frozen=True, eq=False)
-class Magnet:
-    """A magnetised rod in a uniform field: remanence [T] in section axes, flux density [T] in SCS."""
-
-    rod: str
-    remanence: NDArray[np.float64]
-    field: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Tendon:
-    """A tendon without friction, pulled by a tension [N] along its path (points, 3) of [at, y, z].
-
-    `at` is a fraction of the reference length, rising; y and z [m] are coordinates in the section, linear in
-    between.
-    """
-
-    rod: str
-    tension: float
-    path: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Pressure:
-    """Gauge pressure [Pa] in a closed round chamber along a rod, between two fractions of its length.
-
-    `centre` (2,) and `radius` [m] are those of the chamber in the reference section.
-    """
-
-    rod: str
-    value: float
-    centre: NDArray[np.float64]
-    radius: float
-    start: float = 0.0
-    end: float = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Spring:
-    """A spring on the point (y, z) of a section, with the stiffness matrix (3, 3) [N/m] in SCS.
-
-    Without an anchor it resists displacements from the reference; with one [m, SCS] it acts along the line to
-    it, with the stiffness that its matrix has on the diagonal. `free_length` [m] is that without force, None
-    the distance in the reference.
-    """
-
-    rod: str
-    at: float
-    stiffness: NDArray[np.float64]
-    offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
-    anchor: NDArray[np.float64] | None = None
-    free_length: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Foundation:
-    """An elastic bed under a part of a rod: stiffnesses (3,) [N/m2] per reference length along `axes`.
-
-    `axes` (3, 3) are columns in SCS, None those of each reference section (x along the rod).
-    """
-
-    rod: str
-    stiffness: NDArray[np.float64]
-    axes: NDArray[np.float64] | None = field(default_factory=lambda: np.eye(3))
-    start: float = 0.0
-    end: float = 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Contact:
-    """Contact of a rod with a rigid obstacle or with the rod `other`, which may be itself; no friction."""
-
-    rod: str
-    obstacle: Obstacle | None = None
-    other: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Gravity:
-    """Weight of every rod under one acceleration [m/s2]."""
-
-    acceleration: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class AddedEffect:
-    """Records of a table that another package knows, and where its effect is (added_effects.py)."""
-
-    table: str
-    source: str  # "package.module" or "package.module:name"
-    records: tuple[Any, ...]
-
-
 @dataclass(frozen=True)
 class Place:
     """A section of a rod by its fraction of the reference length."""
@@ -371,6 +264,21 @@ class Scene:
         """Whether the whole path of equilibria from the reference is wanted."""
         buckled = self.stability is not None and self.stability.branch == "buckled"
         return self.solver.method == "arclength" or buckled
+
+    @property
+    def pulled_tendons(self) -> tuple[Tendon, ...]:
+        """The tendons of given tension."""
+        return tuple(tendon for tendon in self.tendons if tendon.tension is not None)
+
+    @property
+    def controlled_tendons(self) -> tuple[Tendon, ...]:
+        """The tendons of controlled length."""
+        return tuple(tendon for tendon in self.tendons if tendon.length is not None)
+
+    @property
+    def constrained(self) -> bool:
+        """Whether there are conditions on the motion beside the supports."""
+        return bool(self.joints or self.controlled_tendons)
 
     def load_axes(self, load: Moment | Force | LineLoad | LineMoment) -> NDArray[np.float64]:
         """Axes (3, 3), as columns in SCS, in which a load's value was given: a value v acts as axes @ v."""

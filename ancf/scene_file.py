@@ -20,7 +20,7 @@ from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
 from ancf.scene_contacts import check_options, read_contacts
-from ancf.scene_joints import joined_rods, read_joints
+from ancf.scene_joints import joined_rods, motion_as_joint, read_joints
 from ancf.scene_loads import (
     read_force,
     read_gravity,
@@ -52,6 +52,7 @@ SCENE_KEYS = (
     "foundation",
     "contact",
     "joint",
+    "motion",
     "solver",
     "stability",
 )
@@ -147,8 +148,12 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         springs=tuple(read_spring(entry, rods) for entry in table.tables("spring")),
         foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
         contacts=read_contacts(table, rods),
-        joints=read_joints(table.tables("joint"), entries, rods),
         added=read_added(table, brought, rods),
+        joints=read_joints(
+            [*table.tables("joint"), *(motion_as_joint(entry) for entry in table.tables("motion"))],
+            entries,
+            rods,
+        ),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),
@@ -157,12 +162,13 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         _check_pieces(entry, rod, held_places(scene, rod))
         _check_turn(entry, rod, float(np.diff(rod_breaks(scene, rod)).max()))
     check_options(table, scene)
-    if scene.joints and scene.solver.tangent == "finite-difference":
+    if scene.constrained and scene.solver.tangent == "finite-difference":
+        thing, key = ("Joints", "[[joint]]") if scene.joints else ("Tendons of given length", "[[tendon]]")
         table.refuse(
             "solver.tangent",
-            "Joints have no finite-difference tangent.",
-            'tangent = "finite-difference" with [[joint]]',
-            "the paper's tangent is for rods; joints know their exact one only",
+            f"{thing} have no finite-difference tangent.",
+            f'tangent = "finite-difference" with {key}',
+            "the paper's tangent is for rods; conditions on their motion know their exact one only",
             'write tangent = "analytic", or leave the key away',
         )
     if scene.solver.reduction == "planar":

@@ -54,6 +54,33 @@ def read_joints(
     return joints
 
 
+def motion_as_joint(entry: Table) -> Table:
+    """A `[[motion]]` as the joint with the ground that prescribes it: rigid, a ball for a position alone."""
+    entry.expect_keys(("rod", "at", "hold", "displacement", "rotation"))
+    hold = entry.word("hold", ("pose", "position"), "pose")
+    if not {"displacement", "rotation"} & set(entry.data):
+        entry.refuse(
+            "displacement",
+            "The motion moves nothing.",
+            "neither displacement nor rotation",
+            "a section that is only held is a support or a joint",
+            'add displacement = [x, y, z], or use supports or a [[joint]] with b = "ground"',
+        )
+    if hold == "position" and "rotation" in entry.data:
+        entry.refuse(
+            "rotation",
+            "The rotation is given and left free.",
+            f'rotation = {show(entry.data["rotation"])} with hold = "position"',
+            "a section that is held by its position alone turns as it likes",
+            'write hold = "pose", or remove rotation',
+        )
+    place = {key: entry.data[key] for key in ("rod", "at") if key in entry.data}
+    moved = {key: entry.data[key] for key in ("displacement", "rotation") if key in entry.data}
+    kind = "rigid" if hold == "pose" else "ball"
+    data = {"kind": kind, "a": {"at": 1.0, **place}, "b": GROUND, **moved}
+    return Table(data, entry.source, entry.path)
+
+
 def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
     table.expect_keys(KEYS)
     kind = table.word("kind", KINDS)

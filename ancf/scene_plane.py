@@ -186,6 +186,10 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
     if scene.joints:
         cause = "scenes with joints are solved in space"
         return _message("joint[0]", "joints = " + str(len(scene.joints)), cause, plane)
+    for i, tendon in enumerate(scene.tendons):
+        if tendon.length is not None or tendon.friction > 0.0:
+            cause = "tendons with friction or of given length are solved in space"
+            return _message(f"tendon[{i}]", f"rod {tendon.rod!r}", cause, plane)
     for field in fields(scene):
         if field.name not in KNOWN and getattr(scene, field.name):
             cause = "nothing is known of its mirror image"

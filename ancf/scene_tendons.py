@@ -15,15 +15,41 @@ from ancf.sections import Annulus
 from ancf.units import FORCE, LENGTH, NUMBER
 
 TENSION = Limit(lambda v: v >= 0.0, ">= 0: tendons pull")
+FRICTION = Limit(lambda v: v >= 0.0, ">= 0: friction takes from the tension")
+WANTED = Limit(lambda v: v > 0.0, "> 0")
 
 
 def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
-    """Read one `[[tendon]]`: the rod it runs in, its tension and its path inside the sections."""
-    table.expect_keys(("rod", "tension", "path"), later=("length", "friction"))
+    """Read one `[[tendon]]`: the rod it runs in, its tension or length, its path inside the sections."""
+    table.expect_keys(("rod", "tension", "length", "path", "friction"))
     rod = rod_of(table, rods, "the tendon runs in")
     why = "a tendon needs sections that hold it off the axis"
     refuse_on_cable(table, rod, "rod", "A tendon cannot run in a cable.", why)
-    return Tendon(rod.name, table.number("tension", FORCE, limit=TENSION), _path(table, rod))
+    given = [key for key in ("tension", "length") if key in table.data]
+    if len(given) != 1:
+        table.refuse(
+            "tension" if not given else "length",
+            "The tendon has both a tension and a length." if given else "Nothing pulls the tendon.",
+            "tension and length" if given else "neither tension nor length",
+            "a tendon is pulled by a tension, or its drive holds it at a length with the tension that takes",
+            'write one of the two, for example tension = "2 N" or length = "38 cm"',
+        )
+    friction = table.number("friction", NUMBER, 0.0, FRICTION)
+    if friction > 0.0 and given == ["length"]:
+        table.refuse(
+            "friction",
+            "Friction of a tendon of controlled length is not in this version.",
+            f"friction = {friction:g} with length",
+            "friction is known for a tendon that is pulled by a given tension",
+            "give its tension in place of the length, or leave friction away",
+        )
+    return Tendon(
+        rod.name,
+        table.number("tension", FORCE, limit=TENSION) if given == ["tension"] else None,
+        _path(table, rod),
+        table.number("length", LENGTH, limit=WANTED) if given == ["length"] else None,
+        friction,
+    )
 
 
 def _path(table: Table, rod: Rod) -> NDArray[np.float64]:

@@ -12,8 +12,9 @@ expressions at fixed q (STEP below); nothing is solved again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,8 +59,8 @@ def sensitivity(
     ----------
     q, load_factor : the equilibrium (n,)
     parameter : "moment", "force", "line_load" (by the value of the table `index` of the scene, in its own
-        frame), "tension" (of the tendon `index`) or "gravity"; or a number of the rod: "young_modulus",
-        "poisson_ratio", "density", "length", "curvature", or a size of its section ("radius", ...)
+        frame), "tension" or "tendon_length" (of the tendon `index`) or "gravity"; or a number of the rod:
+        "young_modulus", "poisson_ratio", "density", "length", "curvature", or a size of its section
     rod : whose tip, and whose number; by default the rod of the load, else the first
 
     Returns
@@ -77,6 +78,10 @@ def sensitivity(
     observed = next(r for r in model.rods if r.rod.name == name)
     _refuse_contact(model, q)
     lu = _factors(model, q, load_factor)
+    if parameter == "tendon_length":
+        rate = length_rate(model, index)
+        dofs, P = pose_map(observed)
+        return P @ model.system.solve(lu, load_factor * rate)[dofs]
     if parameter in LOADS or parameter == "gravity":
         dq = model.system.solve(lu, load_factor * load_forces(model, q, parameter, index))
         dofs, P = pose_map(observed)
@@ -87,6 +92,21 @@ def sensitivity(
         dofs, P = pose_map(observed)
         columns.append(pose + P @ model.system.solve(lu, -g)[dofs])
     return np.column_stack(columns) if parameter == "curvature" else columns[0]
+
+
+def length_rate(model: Model, index: int) -> Floats:
+    """Generalised force (n,) of a unit length of the tendon `index`, whose length is controlled."""
+    tendon = _entry(model.scene.tendons, "tendon_length", "tendon", index)
+    if tendon.length is None:
+        refuse(
+            "The tendon has no controlled length.", f'sensitivity("tendon_length"), index = {index}',
+            "it has a tension", MISSING[0], 'take sensitivity("tension")',
+        )  # fmt: skip
+    assert model.constraints is not None
+    rate = np.zeros(model.n)
+    controlled = model.constraints.tendons[model.scene.controlled_tendons.index(tendon)]
+    rate[controlled.multipliers] = 1.0
+    return rate
 
 
 def load_forces(model: Model, q: Floats, parameter: str, index: int = 0) -> Floats:
@@ -107,24 +127,34 @@ def _unit_loads(scene: Scene, parameter: str, index: int) -> Iterator[Scene]:
         for unit in np.eye(3):
             yield Scene(scene.rods, gravity=replace(scene.gravity, acceleration=unit))
         return
-    loads = getattr(scene, LOADS[parameter])
+    table = "tendon" if parameter == "tension" else parameter
+    load = _entry(getattr(scene, LOADS[parameter]), parameter, table, index)
+    if parameter == "tension":
+        if load.tension is None:
+            refuse(
+                "The tension of the tendon is not given.", f'sensitivity("tension"), index = {index}',
+                "its length is", MISSING[0], 'take sensitivity("tendon_length")',
+            )  # fmt: skip
+        yield replace(Scene(scene.rods), tendons=(replace(load, tension=1.0),))
+        return
+    for unit in scene.load_axes(load).T:
+        yield replace(Scene(scene.rods), **{LOADS[parameter]: (replace(load, value=unit),)})
+
+
+def _entry(loads: Sequence[Any], parameter: str, table: str, index: int) -> Any:
+    """The load of an index of the scene's tables, which is checked."""
     if not -len(loads) <= index < len(loads):
-        table = "tendon" if parameter == "tension" else parameter
         refuse(
             f"The scene has no such {table}.", f'sensitivity("{parameter}"), index = {index}',
             f"it has {len(loads)} [[{table}]] tables", *MISSING,
         )  # fmt: skip
-    if parameter == "tension":
-        yield replace(Scene(scene.rods), tendons=(replace(loads[index], tension=1.0),))
-        return
-    for unit in scene.load_axes(loads[index]).T:
-        yield replace(Scene(scene.rods), **{LOADS[parameter]: (replace(loads[index], value=unit),)})
+    return loads[index]
 
 
 def _owner(scene: Scene, parameter: str, index: int) -> str:
     """Name of the rod whose tip is meant."""
-    if parameter in LOADS:
-        loads = getattr(scene, LOADS[parameter])
+    if parameter in LOADS or parameter == "tendon_length":
+        loads = scene.tendons if parameter == "tendon_length" else getattr(scene, LOADS[parameter])
         if -len(loads) <= index < len(loads):
             return loads[index].rod
     return scene.rods[0].name
@@ -181,7 +211,7 @@ def _changes(rod: Rod, parameter: str) -> list[tuple[Callable[[float], Rod], flo
         refuse(
             "There is no derivative by this parameter.", f"sensitivity({parameter!r}), rod {rod.name!r}",
             "a rod of segments has loads only" if rod.segments else f"not one of {sorted(numbers)}",
-            MISSING[0], f"loads are {', '.join(LOADS)} and gravity",
+            MISSING[0], f"loads are {', '.join(LOADS)}, tendon_length and gravity",
         )  # fmt: skip
     if parameter == "curvature":
         return [

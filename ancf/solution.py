@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ancf.rod_model import RodModel
     from ancf.scene import Joint, Scene
     from ancf.stability import Stability
+    from ancf.tendon_state import TendonState
 
 Floats = NDArray[np.float64]
 
@@ -193,7 +194,8 @@ class Solution:
         rod = self._rod(name)
         Q = rod.nodal(self.support_force)
         force, moment = Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
-        models = [] if self.model.joints is None else self.model.joints.models
+        constraints = self.model.constraints
+        models = [] if constraints is None else constraints.joints
         for carried, model in zip(self.joints, models, strict=True):
             if carried.joint.b is None and carried.joint.a.rod == rod.rod.name:
                 arm = model.sections[0].position(self.q)
@@ -212,18 +214,24 @@ class Solution:
     @cached_property
     def joints(self) -> list[JointForces]:
         """What each joint carries, in the order of the scene."""
-        joints = self.model.joints
-        if joints is None:
+        constraints = self.model.constraints
+        if constraints is None:
             return []
-        found = [joint.forces(self.q[joint.dofs], self.load_factor) for joint in joints.models]
+        found = [joint.forces(self.q[joint.dofs], self.load_factor) for joint in constraints.joints]
         return [JointForces(j, *pair) for j, pair in zip(self.scene.joints, found, strict=True)]
 
     def tendon_lengths(self) -> list[float]:
         """Length [m] of each tendon of the scene."""
-        from ancf.effects.tendon import PulledTendon
+        return [tendon.length for tendon in self.tendons]
 
-        found = [effect for effect in self.model.effects if isinstance(effect, PulledTendon)]
-        return [tendon.length(self.q[tendon.dofs].reshape(len(tendon.dofs), -1, 3)) for tendon in found]
+    @cached_property
+    def tendons(self) -> list[TendonState]:
+        """Tension, length and slack of each tendon, in the order of the scene."""
+        if not self.scene.tendons:
+            return []
+        from ancf.tendon_state import tendon_states
+
+        return tendon_states(self.model, self.q, self.load_factor)
 
     def section_forces(self, name: str | None = None) -> SectionForces:
         """Section force and moment along the rod."""
@@ -285,7 +293,7 @@ class Solution:
         return along_rod(rod, stress, at, part)
 
     def tangent(self) -> sparse.csr_array:
-        """Tangent dg/dq on the free unknowns [SI units], sparse; the multipliers of joints come last."""
+        """Tangent dg/dq on the free unknowns [SI units], sparse; the multipliers of constraints come last."""
         return self.model.supported_tangent(self.q, self.load_factor)
 
     def sensitivity(self, parameter: str = "moment", rod: str | None = None, index: int = 0) -> Floats:
@@ -349,10 +357,7 @@ class Solution:
         if self.accuracy is not None:
             result["accuracy"] = self.accuracy.as_dict()
         if self.scene.tendons:
-            result["tendons"] = [
-                {"rod": tendon.rod, "tension": tendon.tension * self.load_factor, "length": length}
-                for tendon, length in zip(self.scene.tendons, self.tendon_lengths(), strict=True)
-            ]
+            result["tendons"] = [tendon.as_dict() for tendon in self.tendons]
         if self.scene.springs or self.scene.foundations or self.scene.contacts:
             from ancf.passive_reports import passive_reports
 

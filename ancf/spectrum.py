@@ -8,8 +8,8 @@ axis by the element's length, slopes across it by the radius of gyration. With D
 on the free unknowns is dimensionless; its lowest eigenvalues belong to bending and twisting of the whole
 rod, not to strains of a section.
 
-Joints leave only the motions with C phi = 0, C their linearised conditions: across these rows S is looked at,
-as it is across held motions.
+Constraints leave only the motions with C phi = 0, C their linearised conditions: across these rows S is
+looked at, as it is across held motions.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Spectrum:
             scale = [h ** -order[0] * radius ** -(order[1] + order[2]) for order in rod.element.vectors]
             parts.append(np.tile(np.repeat(scale, 3), len(rod.q0)))
         B: Any = model.boundary_matrix()
-        # The multipliers of joints are free, and the last; they are no motion.
+        # The multipliers of constraints are free, and the last; they are no motion.
         self._B: Any = B[:, : B.shape[1] - (model.n - model.motions)]
         parts.append(np.ones(model.n - model.motions))
         weight = np.abs(self._B)
@@ -86,21 +86,22 @@ class Spectrum:
         return self._matrix_and_rows(q, load_factor)[0]
 
     def _matrix_and_rows(self, q: Floats, load_factor: float) -> tuple[sparse.csr_array, Floats]:
-        """S, and an orthonormal basis (free, conditions) of the rows of C, what the joints do not leave."""
+        """S, and an orthonormal basis (free, conditions) of the rows of C, what constraints do not leave."""
         D: Any = sparse.diags_array(self._D / np.sqrt(self._stiffness))
         K: Any = self.model.supported_tangent(q, load_factor)
         n = self.size
         S = sparse.csr_array(D @ K[:n, :n] @ D)
         if K.shape[0] == n:
             return S, np.empty((n, 0))
-        return S, np.linalg.qr((K[n:, :n] @ D).toarray().T)[0]
+        C_T = (D @ K[:n, n:]).toarray()
+        return S, np.linalg.qr(C_T[:, np.any(C_T != 0.0, axis=0)])[0]  # a slack tendon is no condition
 
     def with_multipliers(self, q: Floats, load_factor: float, modes: Floats) -> Floats:
-        """Left modes (k, n) [SI] with the changes of the joints' multipliers that go with them.
+        """Left modes (k, n) [SI] with the changes of the multipliers that go with them.
 
         K^T dq + C^T dlambda vanishes for one of eigenvalue zero, in the least squares that it is not.
         """
-        if self.model.joints is None:
+        if self.model.constraints is None:
             return modes
         K: Any = self.model.supported_tangent(q, load_factor)
         n, full = self.size, modes.copy()
@@ -132,7 +133,7 @@ class Spectrum:
         n = self.size
         if held is not None:
             basis = np.linalg.qr(np.column_stack([basis, (self._B.T @ held.T) / self._D[:, None]]))[0]
-        count = min(count, n - basis.shape[1] if self.model.joints else n)
+        count = min(count, n - basis.shape[1] if self.model.constraints else n)
         if n <= SMALL and not basis.size:
             f, phi = eig_banded(_lower_band(S), lower=True, select="i", select_range=(0, count - 1))
         elif n <= TINY:
@@ -166,7 +167,7 @@ class Spectrum:
         S = sparse.csr_array(S.T) if left else S
         if n <= TINY:
             across = np.eye(n) - rows @ rows.T
-            # What the joints do not leave goes to the top of the spectrum.
+            # What constraints do not leave goes to the top of the spectrum.
             dense = across @ S.toarray() @ across + abs(S).sum() * (rows @ rows.T)
             solver, arguments = eig, (dense,)
         else:

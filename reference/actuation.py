@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_bvp
 from scipy.spatial.transform import Rotation
 
+from reference.root import bracketed_root
+
 Array = NDArray[np.float64]
 
 INTERVALS = 2000
@@ -27,21 +29,50 @@ MU_0 = 1.25663706127e-6  # N/A2, CODATA 2022
 
 
 def tendon_rod(
-    length: float, radius: float, young: float, poisson: float, tension: float, path: ArrayLike
+    length: float,
+    radius: float,
+    young: float,
+    poisson: float,
+    tension: float,
+    path: ArrayLike,
+    friction: float = 0.0,
 ) -> tuple[Array, float]:
     """Tip (3,) [m] of a straight round rod along x, clamped at 0, with one tendon; and its own error [m].
 
     Parameters
     ----------
     path : (points, 3) of [fraction of the length, y, z] [-, m, m], straight in between
+    friction : capstan coefficient mu; the tension at s is T exp(-mu theta(s)), theta the turning of the
+        path from its first point
     """
     fine, coarse = (
-        _tip(length, radius, young, poisson, tension, path, n) for n in (INTERVALS, INTERVALS // 2)
+        _tip(*_strains(length, radius, young, poisson, tension, path, n, friction)[:3])
+        for n in (INTERVALS, INTERVALS // 2)
     )
     return fine + (fine - coarse) / 3.0, float(np.linalg.norm(fine - coarse)) / 3.0
 
 
-def _tip(
+def tendon_rod_of_length(
+    length: float, radius: float, young: float, poisson: float, wanted: float, path: ArrayLike
+) -> tuple[Array, float, float]:
+    """Tip (3,) [m] of the same rod, its own error [m], and the tension [N] that brings the path to a length.
+
+    wanted : [m], shorter than the path in the straight rod
+    """
+    whole = np.pi * radius**2 * young
+
+    def excess(tension: float) -> float:
+        lengths = [
+            _strains(length, radius, young, poisson, tension, path, n)[3] for n in (INTERVALS, INTERVALS // 2)
+        ]
+        return lengths[0] + (lengths[0] - lengths[1]) / 3.0 - wanted
+
+    tension = bracketed_root(excess, 0.0, 0.1 * whole)
+    tip, error = tendon_rod(length, radius, young, poisson, tension, path)
+    return tip, error, tension
+
+
+def _strains(
     length: float,
     radius: float,
     young: float,
@@ -49,7 +80,9 @@ def _tip(
     tension: float,
     path: ArrayLike,
     intervals: int,
-) -> Array:
+    friction: float = 0.0,
+) -> tuple[float, Array, Array, float]:
+    """Interval h, strains v and u (intervals, 3) in their middles, and the length of the tendon's path."""
     area, second = np.pi * radius**2, np.pi * radius**4 / 4.0
     shear = young / (2.0 * (1.0 + poisson))
     K_n = np.array([young, shear, shear]) * area
@@ -65,11 +98,41 @@ def _tip(
     v, u = np.tile([1.0, 0.0, 0.0], (intervals, 1)), np.zeros((intervals, 3))
     for _ in range(ROUNDS):
         t = v + np.cross(u, p) + dp
-        n = -tension * inside[:, None] * t / np.linalg.norm(t, axis=1, keepdims=True)
+        t /= np.linalg.norm(t, axis=1, keepdims=True)
+        left = tension * np.exp(-friction * _turning(t, u, h, inside)) if friction else tension
+        n = -(left * inside)[:, None] * t
         v, u = np.array([1.0, 0.0, 0.0]) + n / K_n, np.cross(p, n) / K_m
+    stretch = np.linalg.norm(v + np.cross(u, p) + dp, axis=1)
+    return h, np.asarray(v, float), np.asarray(u, float), float(h * np.sum(stretch * inside))
+
+
+def _turning(t: Array, u: Array, h: float, inside: Array) -> Array:
+    """Angle (intervals,) by which the path has turned from its first point to the middle of each interval.
+
+    The turn from one middle to the next is the angle of t there, seen from here; half of the first to begin.
+    """
+    ahead = Rotation.from_rotvec(0.5 * h * (u[:-1] + u[1:])).apply(t[1:])
+    angle = 2.0 * np.arcsin(np.clip(0.5 * np.linalg.norm(ahead - t[:-1], axis=1), 0.0, 1.0))
+    angle = angle * inside[:-1] * inside[1:]
+    first = angle[np.argmax(inside)]
+    return np.asarray(0.5 * first + np.concatenate([[0.0], np.cumsum(angle)]), dtype=float)
+
+
+def frictional_arc(length: float, curvature: float, friction: float) -> Array:
+    """Tip (3,) of an inextensible rod along x, bent by a straight tendon with friction off its axis.
+
+    With the turning phi of the rod, kappa = kappa_0 exp(-mu phi): phi = ln(1 + mu kappa_0 s)/mu. The integral
+    of exp(i phi) = (1 + mu kappa_0 s)^(i/mu) is elementary.
+    """
+    end, power = 1.0 + friction * curvature * length, 1.0 + 1.0j / friction
+    r = (end**power - 1.0) / (power * friction * curvature)
+    return np.array([r.real, r.imag, 0.0])
+
+
+def _tip(h: float, v: Array, u: Array) -> Array:
     R, r = Rotation.identity(), np.zeros(3)
     half, whole = Rotation.from_rotvec(0.5 * h * u), Rotation.from_rotvec(h * u)
-    for i in range(intervals):
+    for i in range(len(v)):
         r = r + h * (R * half[i]).apply(v[i])
         R = R * whole[i]
     return np.asarray(r, dtype=float)

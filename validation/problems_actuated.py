@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 import ancf
 from ancf.scene import Scene
 from ancf.solution import Solution
-from reference.actuation import MU_0, chamber_arc, closed_tube_strain, magnet_tip, tendon_rod
+from reference.actuation import (
+    MU_0,
+    chamber_arc,
+    closed_tube_strain,
+    magnet_tip,
+    tendon_rod,
+    tendon_rod_of_length,
+)
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import NoEquilibrium
@@ -58,10 +65,11 @@ def _solved(case: Case) -> Solution:
 def _tendon(scene: Scene) -> tuple[Floats, float]:
     (rod,), (tendon,) = scene.rods, scene.tendons
     material = rod.material
-    return tendon_rod(
-        rod.length, rod.section.outer_radius, material.young_modulus, material.poisson_ratio,
-        tendon.tension, tendon.path,
-    )  # fmt: skip
+    numbers = (rod.length, rod.section.outer_radius, material.young_modulus, material.poisson_ratio)
+    if tendon.length is not None:
+        return tendon_rod_of_length(*numbers, tendon.length, tendon.path)[:2]
+    assert tendon.tension is not None
+    return tendon_rod(*numbers, tendon.tension, tendon.path, tendon.friction)
 
 
 def _chamber(scene: Scene) -> tuple[Floats, float]:

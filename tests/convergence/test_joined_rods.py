@@ -135,8 +135,8 @@ def test_a_twisted_and_pushed_rod_buckles_where_greenhill_says():
     first = solution.stability.critical_points[0]
     assert 0.0 < first.load_factor < 1.0 and first.kind == "bifurcation"
     model = solution.model
-    assert model.joints is not None
-    joint = model.joints.models[1]
+    assert model.constraints is not None
+    joint = model.constraints.models[1]
     force, moment = joint.forces(first.point.q[joint.dofs], first.load_factor)
     N, T = force[0] / EI, moment[0] / EI
     assert T > 1.5 and N < -30.0
@@ -172,10 +172,10 @@ def test_twist_alone_buckles_a_held_rod_of_rubber():
     rubber["material"]["law"] = "neo-hookean"
     joints = [ground(0.0), ground(rotation=[3 * math.pi, 0, 0])]
     solution = solved({"rod": [rubber], "joint": joints, "stability": {}})
-    assert solution.stability is not None and solution.model.joints is not None
+    assert solution.stability is not None and solution.model.constraints is not None
     assert solution.stability.negative_pivots > 0
     first = solution.stability.critical_points[0]
-    joint, phi = solution.model.joints.models[1], 3 * math.pi * first.load_factor
+    joint, phi = solution.model.constraints.models[1], 3 * math.pi * first.load_factor
     force, moment = joint.forces(first.point.q[joint.dofs], first.load_factor)
     N, T = force[0] / EI, moment[0] / EI
     assert pytest.approx(-0.231 * phi**2, rel=5e-3) == N

@@ -94,16 +94,17 @@ def test_tangent_and_rate_are_the_derivatives(kind):
         }
     )
     model, at, h = Model(scene), 0.7, 1e-5
-    assert model.joints is not None
+    assert model.constraints is not None
     q = model.q0 + 0.05 * model.unit * np.random.default_rng(1).uniform(-1, 1, model.n)
-    (part,) = model.joints.models
+    (part,) = model.constraints.joints
     x, terms = q[part.dofs], part.terms(q[part.dofs], at)
+    tangent = terms.tangent.reshape(len(x), len(x))
     unit, force_unit = model.unit[part.dofs], part.energy / model.unit[part.dofs]
     for j, step in enumerate(h * unit):
         change = np.eye(len(x))[j] * step
         slope = (part.terms(x + change, at).g - part.terms(x - change, at).g) / (2 * step)
         np.testing.assert_allclose(
-            terms.tangent[:, j] * unit[j] / force_unit, slope * unit[j] / force_unit, atol=1e-7
+            tangent[:, j] * unit[j] / force_unit, slope * unit[j] / force_unit, atol=1e-7
         )
     rate = (part.terms(x, at + h).g - part.terms(x, at - h).g) / (2 * h)
     assert np.abs(rate / force_unit).max() > 0.01
@@ -137,9 +138,9 @@ def test_turns_are_counted_along_the_rods(turns):
     scene = ancf.scene_from_dict(
         {"rod": [curved, rod("outer", STIFF, [0, 0, 0], supports=[{}])], "joint": [joint(1.0)]}
     )
-    joints = Model(scene).joints
-    assert joints is not None
-    np.testing.assert_allclose(joints.models[0].rotation, [0, 0, -2 * math.pi * turns], atol=1e-9)
+    constraints = Model(scene).constraints
+    assert constraints is not None
+    np.testing.assert_allclose(constraints.joints[0].rotation, [0, 0, -2 * math.pi * turns], atol=1e-9)
 
 
 @pytest.mark.parametrize("parameter", ["curvature", "length", "radius"])

@@ -90,20 +90,23 @@ def state(model, seed=0, size=0.05):
 def test_tangent_and_rate_are_the_derivatives(kind, element):
     """Central differences err by h^2 f'''/6 + eps f/h = 1e-9 at h = 1e-5; the residual is of size 1."""
     model, at, h = joined(kind, element), 0.7, 1e-5
-    assert model.joints is not None
+    assert model.constraints is not None
     q = state(model)
-    for part in model.joints.models:
+    for part in model.constraints.models:
         x, terms = q[part.dofs], part.terms(q[part.dofs], at)
+        tangent = terms.tangent.reshape(len(x), -1)
         unit, force_unit = model.unit[part.dofs], part.energy / model.unit[part.dofs]
         for j, step in enumerate(h * unit):
             change = np.eye(len(x))[j] * step
             slope = (part.terms(x + change, at).g - part.terms(x - change, at).g) / (2 * step)
             np.testing.assert_allclose(
-                terms.tangent[:, j] * unit[j] / force_unit, slope * unit[j] / force_unit, atol=1e-7
+                tangent[:, j] * unit[j] / force_unit,
+                slope * unit[j] / force_unit,
+                atol=1e-7,
             )
         rate = (part.terms(x, at + h).g - part.terms(x, at - h).g) / (2 * h)
         np.testing.assert_allclose(terms.rate / force_unit, rate / force_unit, atol=1e-8)
-        scaled = terms.tangent * unit / force_unit[:, None]
+        scaled = tangent * unit / force_unit[:, None]
         np.testing.assert_allclose(scaled, scaled.T, atol=1e-12 * np.abs(scaled).max())
 
 
@@ -125,8 +128,8 @@ def test_the_whole_residual_has_this_tangent_and_load():
 def test_rigid_motions_do_no_work(kind):
     """A joint of two rods turned as a whole: the residual turns, sum of forces and of moments vanish."""
     model = joined(kind, moved=False)
-    assert model.joints is not None
-    (part,) = model.joints.models
+    assert model.constraints is not None
+    (part,) = model.constraints.models
     x = state(model)[part.dofs]
     force = part.terms(x, 1.0).g[: -part.conditions].reshape(-1, 3)
     vectors = x[: -part.conditions].reshape(-1, 3)
@@ -157,8 +160,8 @@ def test_conditions_measure_gap_and_angle():
         ("ball", {}, [0.1, 0, 0]),
     ):
         model = Model(ancf.scene_from_dict({"rod": [rod(supports=[{}])], "joint": [joint(kind, **more)]}))
-        assert model.joints is not None
-        (part,) = model.joints.models
+        assert model.constraints is not None
+        (part,) = model.constraints.models
         vectors = model.q0[part.dofs[: -part.conditions]].reshape(-1, 3) @ exp(np.array([0, 0, 0.2])).T
         x = np.concatenate([vectors.ravel(), np.zeros(part.conditions)])
         x[: -part.conditions] += (
@@ -185,8 +188,8 @@ def test_conditions_measure_gap_and_angle():
 )
 def test_half_a_turn_meets_the_conditions_and_is_no_solution(kind, more, fits):
     model = Model(ancf.scene_from_dict({"rod": [rod(supports=[{}])], "joint": [joint(kind, **more)]}))
-    assert model.joints is not None
-    (part,) = model.joints.models
+    assert model.constraints is not None
+    (part,) = model.constraints.models
     vectors = model.q0[part.dofs[: -part.conditions]].reshape(-1, 3) @ exp(np.array([math.pi, 0, 0])).T
     x = np.concatenate([vectors.ravel(), np.zeros(part.conditions)])
     np.testing.assert_allclose(part.terms(x, 0.0).g[-part.conditions :], 0.0, atol=1e-12)
@@ -210,7 +213,7 @@ def test_negative_eigenvalues_are_those_across_the_conditions(shift):
     The stiffness is shifted by a share of the unit matrix so that there are some.
     """
     model = joined("hinge")
-    assert isinstance(model.system, CoupledSystem) and model.joints is not None
+    assert isinstance(model.system, CoupledSystem) and model.constraints is not None
     _, flat = model.residual_and_tangent(state(model, size=0.02), 0.7)
     n, m = model.motions, model.n - model.motions
     diagonal = model.pattern.slots(np.arange(n), np.arange(n))

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from reference.actuation import chamber_arc, closed_tube_strain, magnet_tip, tendon_rod
+from reference.actuation import (
+    chamber_arc,
+    closed_tube_strain,
+    frictional_arc,
+    magnet_tip,
+    tendon_rod,
+    tendon_rod_of_length,
+)
 
 L, R, YOUNG = 0.5, 0.0025, 1e6
 AREA, SECOND = np.pi * R**2, np.pi * R**4 / 4
@@ -18,6 +25,30 @@ def test_a_straight_tendon_makes_an_arc_of_the_shortened_axis():
     exact = stretch / u * np.array([np.sin(u * L), 1.0 - np.cos(u * L), 0.0])
     assert error < 1e-9 * L
     np.testing.assert_allclose(tip, exact, rtol=0, atol=1e-9 * L)
+
+
+def test_the_tension_of_a_length_and_back():
+    """Constant state: |t| = v - u d, so T = (L - l)/(L (1/E A + d^2/E I))."""
+    d, tension = 0.8 * R, 1e-4 * YOUNG * AREA
+    wanted = L * (1 - tension / (YOUNG * AREA) - tension * d**2 / (YOUNG * SECOND))
+    tip, error, found = tendon_rod_of_length(L, R, YOUNG, 0.3, wanted, [[0, d, 0], [1, d, 0]])
+    assert found == pytest.approx(tension, rel=1e-10) and error < 1e-9 * L
+    exact, _ = tendon_rod(L, R, YOUNG, 0.3, tension, [[0, d, 0], [1, d, 0]])
+    np.testing.assert_allclose(tip, exact, rtol=0, atol=1e-11 * L)
+
+
+def test_friction_makes_a_spiral():
+    """The closed form of an inextensible rod, but for the thrust T/(E A) = 1e-4; by quadrature as well."""
+    d, tension = 0.8 * R, 1e-4 * YOUNG * AREA
+    kappa = tension * d / (YOUNG * SECOND)
+    for friction in (0.3, 2.0):
+        s = (np.arange(20000) + 0.5) * L / 20000
+        phi = np.log1p(friction * kappa * s) / friction
+        exact = L * np.array([np.mean(np.cos(phi)), np.mean(np.sin(phi)), 0.0])
+        np.testing.assert_allclose(frictional_arc(L, kappa, friction), exact, rtol=0, atol=1e-9 * L)
+        tip, error = tendon_rod(L, R, YOUNG, 0.3, tension, [[0, d, 0], [1, d, 0]], friction)
+        assert error < 1e-9 * L
+        np.testing.assert_allclose(tip, exact, rtol=0, atol=1.05e-4 * L)
 
 
 def test_a_tendon_on_the_axis_only_shortens():

@@ -69,16 +69,8 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_are_valid(path: Path):
-    expected = {
-        "tapered-finger": 0.15,  # 3 + 8 + 4 cm
-        "right-angle-frame": 0.24,
-        "shallow-arch": 1.0,
-        "tendon-arm": 0.3,
-        "gripper": 0.16,
-        "pneumatic-finger": 0.1,
-        "magnetic-catheter": 0.05,
-    }
-    assert load_scene(path).rods[0].length == pytest.approx(expected.get(path.stem, 0.4))
+    scene = load_scene(path)
+    assert scene.title and scene.rods
 
 
 def test_there_are_examples():

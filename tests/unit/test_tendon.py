@@ -201,8 +201,7 @@ BAD = {
     "outside": ({"path": [[0, 0, 0], [1, 0.0101, 0]]}, "leaves the section"),
     "beyond the rod": ({"path": [[0, 0, 0], [1.2, 0, 0]]}, "path[1][0]"),
     "another rod": ({"rod": "leg"}, "leg"),
-    "controlled length": ({"length": 0.38}, "not in this version"),
-    "friction": ({"friction": 0.1}, "not in this version"),
+    "tension and length": ({"length": 0.38}, "both a tension and a length"),
     "misspelt": ({"tensoin": 1.0}, "tension"),
 }
 

@@ -123,7 +123,7 @@ def _tendon_arm(scene: Scene) -> Floats:
         ArmSection(length, section.outer_radius, m.young_modulus, m.poisson_ratio, m.density or 0.0)
         for length, section, m in parts
     ]
-    tendons = [ArmTendon(tendon.tension, tendon.path) for tendon in scene.tendons]
+    tendons = [ArmTendon(tendon.tension or 0.0, tendon.path) for tendon in scene.tendons]
     gravity = np.zeros(3) if scene.gravity is None else scene.gravity.acceleration
     return tendon_arm_tip(sections, tendons, rod.base.rotation, gravity, ARM_TOLERANCE)[0]
 
