@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 LOAD, WEIGHT, MAGNETIC = "#c0392b", "#7f8c8d", "#7d5ba6"
 TENDON, CHAMBER, HELD, JOINT = "#1b2631", "#2e86c1", "#5d6d7e", "#1b2631"
+OBSTACLE = "#d4b483"
 
 ARROW = 0.16  # of the picture's size
 SHORTEST = 0.45  # of the longest arrow of a kind: smaller loads stay visible
@@ -43,7 +44,7 @@ class Mark:
 def marks(solution: Solution, size: float) -> list[Mark]:
     """All marks of a scene; `size` [m] is that of the picture."""
     found: list[Mark] = []
-    for draw in (_holds, _joints, _tendons, _chambers, _point_loads, _distributed, _fields):
+    for draw in (_holds, _joints, _tendons, _chambers, _point_loads, _distributed, _fields, _obstacles):
         found += draw(solution, size)
     return found
 
@@ -155,6 +156,48 @@ def _fields(solution: Solution, size: float) -> Iterator[Mark]:
 
 def _to_ground(solution: Solution) -> list[Any]:
     return [joint for joint in solution.scene.joints if joint.b is None]
+
+
+def _obstacles(solution: Solution, size: float) -> Iterator[Mark]:
+    """Planes, spheres and cylinders that rods may touch."""
+    # To be adapted to the record of [[contact]]; the words are those of interface.md.
+    for contact in solution.scene.contacts:  # type: ignore[attr-defined]
+        body = contact.obstacle
+        if body.shape == "plane":
+            yield Mark(_plate(solution, body.point, body.normal, size), OBSTACLE, opacity=0.55)
+        elif body.shape == "sphere":
+            yield Mark(_ball(body.centre, body.radius), OBSTACLE, opacity=0.6)
+        elif body.shape == "cylinder":
+            yield Mark(_log(solution, body.point, body.axis, body.radius), OBSTACLE, opacity=0.6)
+
+
+def _plate(solution: Solution, point: Floats, normal: Floats, size: float) -> Any:
+    """The part of a plane beside the rods; its face lies in the plane."""
+    import pyvista
+
+    low, high = box(solution)
+    normal = _unit(normal)
+    middle = 0.5 * (low + high)
+    centre = middle - (normal @ (middle - point)) * normal
+    first = _across(normal)
+    second = np.cross(normal, first)
+    reach = [0.5 * np.abs(high - low) @ np.abs(side) + 0.05 * size for side in (first, second)]
+    thickness = 0.012 * size
+    slab = pyvista.Box((-thickness, 0.0, -reach[0], reach[0], -reach[1], reach[1]))
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = np.column_stack([normal, first, second]), centre
+    return slab.transform(matrix, inplace=False)
+
+
+def _log(solution: Solution, point: Floats, axis: Floats, radius: float) -> Any:
+    """The part of an endless cylinder beside the rods."""
+    import pyvista
+
+    low, high = box(solution)
+    axis = _unit(axis)
+    centre = point + (axis @ (0.5 * (low + high) - point)) * axis
+    length = float(np.abs(high - low) @ np.abs(axis)) + radius
+    return pyvista.Cylinder(center=centre, direction=axis, radius=radius, height=length, resolution=72)
 
 
 def _tangent(solution: Solution, rod: Rod, at: float) -> Floats:

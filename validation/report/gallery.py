@@ -198,6 +198,21 @@ def _feet(solution: Solution) -> Floats:
     return np.sum([joint.force for joint in solution.joints if joint.joint.b is None], axis=0)
 
 
+def _reach(solution: Solution) -> float:
+    """Largest y of the arm's skin [m]: of its axis, which is parallel to the wall there, and its radius."""
+    y = solution.displaced(None, np.linspace(0.0, 1.0, 401), np.zeros(1), np.zeros(1))[:, 1]
+    return float(y.max()) + _first(solution.scene).R
+
+
+def _gap(solution: Solution) -> list[float]:
+    """Least distance [m] of the axis of each finger from that of the cylinder, along x at height 9 cm."""
+    axes = [
+        solution.displaced(rod.name, np.linspace(0.0, 1.0, 801), np.zeros(1), np.zeros(1))
+        for rod in solution.scene.rods
+    ]
+    return [float(np.hypot(axis[:, 1], axis[:, 2] - 0.09).min()) for axis in axes]
+
+
 EXHIBITS = (
     Exhibit(
         "tendon-arm",
@@ -229,6 +244,23 @@ EXHIBITS = (
         "tip", "m", _tip, _finger, _length,
         "thin rod: an arc of curvature p A_c d/(E I) and stretch 1 + p A_c/(E A), reference/arcs.py",
         5e-2, "a finger of 1:5 at 10 % of strain: second order in both",
+    ),
+    Exhibit(
+        "arm-pushing-wall",
+        "A tendon bends the arm against a wall; the tip slides along it.",
+        "reach of the skin", "m", _reach, lambda scene: 0.06, lambda scene: 0.006,
+        "geometry: the wall is 6 cm from the root",
+        1e-3, "penetration, of the radius, also between the points that contact looks at",
+        view=(1.0, 0.2, 0.25),
+    ),
+    Exhibit(
+        "gripper",
+        "Two fingers, each closed by a tendon, hold a cylinder.",
+        "distance of the axes from the cylinder's", "m", _gap, lambda scene: [0.035, 0.035],
+        lambda scene: 0.005,
+        "geometry: the radii of cylinder and finger",
+        1e-3, "penetration, of the radius, also between the points that contact looks at",
+        view=(1.0, 0.25, 0.3),
     ),
     Exhibit(
         "hanging-cable",
