@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ancf.obstacles import Cylinder, Plane, Sphere
 from ancf.view_skin import OUTLINE_POINTS, box, closed_skin, widest
 
 if TYPE_CHECKING:
@@ -160,14 +161,13 @@ def _to_ground(solution: Solution) -> list[Any]:
 
 def _obstacles(solution: Solution, size: float) -> Iterator[Mark]:
     """Planes, spheres and cylinders that rods may touch."""
-    # To be adapted to the record of [[contact]]; the words are those of interface.md.
-    for contact in solution.scene.contacts:  # type: ignore[attr-defined]
+    for contact in solution.scene.contacts:
         body = contact.obstacle
-        if body.shape == "plane":
+        if isinstance(body, Plane):
             yield Mark(_plate(solution, body.point, body.normal, size), OBSTACLE, opacity=0.55)
-        elif body.shape == "sphere":
+        elif isinstance(body, Sphere):
             yield Mark(_ball(body.centre, body.radius), OBSTACLE, opacity=0.6)
-        elif body.shape == "cylinder":
+        elif isinstance(body, Cylinder):
             yield Mark(_log(solution, body.point, body.axis, body.radius), OBSTACLE, opacity=0.6)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import ancf
+from ancf.obstacles import Cylinder
 from ancf.scene import Scene
 from ancf.solution import Solution
 from reference.actuation import MU_0, magnet_tip
@@ -205,12 +206,14 @@ def _reach(solution: Solution) -> float:
 
 
 def _gap(solution: Solution) -> list[float]:
-    """Least distance [m] of the axis of each finger from that of the cylinder, along x at height 9 cm."""
-    axes = [
-        solution.displaced(rod.name, np.linspace(0.0, 1.0, 801), np.zeros(1), np.zeros(1))
-        for rod in solution.scene.rods
-    ]
-    return [float(np.hypot(axis[:, 1], axis[:, 2] - 0.09).min()) for axis in axes]
+    """Least distance [m] of the axis of each finger from that of its cylinder."""
+    found = []
+    for contact in solution.scene.contacts:
+        body = contact.obstacle
+        assert isinstance(body, Cylinder)
+        axis = solution.displaced(contact.rod, np.linspace(0.0, 1.0, 801), np.zeros(1), np.zeros(1))
+        found.append(float(np.linalg.norm(np.cross(axis - body.point, body.axis), axis=1).min()))
+    return found
 
 
 EXHIBITS = (
@@ -255,9 +258,9 @@ EXHIBITS = (
     ),
     Exhibit(
         "gripper",
-        "Two fingers, each closed by a tendon, hold a cylinder.",
-        "distance of the axes from the cylinder's", "m", _gap, lambda scene: [0.035, 0.035],
-        lambda scene: 0.005,
+        "Three fingers, each closed by a tendon, hold a cylinder.",
+        "distance of the axes from the cylinder's", "m", _gap, lambda scene: [0.031] * 3,
+        lambda scene: 0.006,
         "geometry: the radii of cylinder and finger",
         1e-3, "penetration, of the radius, also between the points that contact looks at",
         view=(1.0, 0.25, 0.3),
