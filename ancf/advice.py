@@ -143,21 +143,27 @@ class _State:
         return self.name == "equilibrium"
 
     def neighbour(self, other: Scene) -> Floats | None:
-        """Motion (n,) to the equilibrium of another scene, None where it is not found in time."""
+        """Motion (n or less,) to the equilibrium of another scene, None where it is not found in time."""
         left = self.deadline - time.perf_counter()
         if not self.known or left <= 0.0:
             return None
-        trace = find_equilibrium(
-            Model(replace(other, solver=replace(other.solver, max_seconds=left))), self.q
-        )
-        return trace.q - self.q if trace.status is Status.CONVERGED else None
+        model = Model(replace(other, solver=replace(other.solver, max_seconds=left)))
+        # The tensions of tendons of given length, which it may lack, are the last unknowns.
+        start = self.q[: model.n]
+        trace = find_equilibrium(model, start)
+        return trace.q - start if trace.status is Status.CONVERGED else None
 
     def first_step(self, other: Scene) -> Floats | None:
-        """dq (n,) of one Newton step; None where the other scene's tangent is singular, or dq overflows."""
+        """dq (n or less,) of one Newton step; None where the other scene's tangent is singular, dq overflows,
+        or a rod may touch: contact is not linear.
+        """
+        if other.contacts or self.scene.contacts:
+            return None
         model = Model(other)
-        g = model.residual(self.q).at(1.0) - self.model.residual(self.q).at(1.0)
+        q = self.q[: model.n]
+        g = model.residual(q).at(1.0) - self.model.residual(self.q).at(1.0)[: model.n]
         try:
-            _, flat = model.residual_and_tangent(self.q, self.load_factor)
+            _, flat = model.residual_and_tangent(q, self.load_factor)
             dq = model.system.solve(model.system.factorise(flat), -g)
         except (ArithmeticError, np.linalg.LinAlgError):
             return None

@@ -6,6 +6,7 @@ r"""Dimensionless numbers of a rod in its scene, with the loads that it carries.
     force, moment      P L^2/(E I), M L/(E I) of the largest point or line load
     section_force, section_moment   the same of what the sections carry at the equilibrium
     section_strain     largest component of the Green-Lagrange strain there
+    contact_distance   smallest gap to what the rod may touch there, over L; only where it may touch something
 
 E I is the bending stiffness about the weaker axis. A rod that changes along its length has its mean
 compliance for E I, its softest section for G A and E A, its widest for R.
@@ -58,6 +59,13 @@ def rod_numbers(solution: Solution, rod: RodModel, solved: bool) -> dict[str, fl
         found["section_force"] = _largest(carried.force) * L**2 / EI
         found["section_moment"] = _largest(carried.moment) * L / EI
         found["section_strain"] = largest_strain(solution, rod)
+        if scene.contacts:
+            from ancf.passive_reports import passive_reports
+
+            entries = passive_reports(solution.model, solution.q)["contacts"]
+            gaps = [entry["gap"] for entry in entries if entry["rod"] == spec.name]
+            if gaps:
+                found["contact_distance"] = min(gaps) / L
     # A load near the end of the number range overflows here.
     return {
         name: value if value is not None and np.isfinite(value) else None for name, value in found.items()
