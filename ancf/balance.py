@@ -68,8 +68,10 @@ class Balance:
             max(np.linalg.norm(left.force) / self.force_unit, np.linalg.norm(left.moment) / self.moment_unit)
         )
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain Python, every number finite."""
+    def as_dict(self) -> dict[str, Any] | None:
+        """Plain Python, every number finite; None where a load is too large for that."""
+        if not np.isfinite(self.relative):
+            return None
         return {
             "applied": {name: resultant.as_dict() for name, resultant in self.applied.items()},
             "reactions": {name: resultant.as_dict() for name, resultant in self.reactions.items()},
@@ -78,6 +80,7 @@ class Balance:
         }
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite is left out
 def balance(solution: Solution, name: str | None = None) -> Balance:
     """Balance of the whole structure, or of the rod of that name.
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.effects import blocks_of
 from ancf.errors import Message, SceneError
 from ancf.linear_system import LinearSystem
 from ancf.scene_cable import could_be_cable
@@ -93,7 +94,7 @@ def settled(model: Model) -> Reductions:
     reductions = chosen(model.scene)
     others = (effect for effect in model.effects if effect.name not in JUDGED)
     if reductions.symmetric and any(
-        effect.potential(model.q0[effect.dofs].reshape(len(effect.dofs), -1, 3)) is None for effect in others
+        effect.potential(blocks_of(model.q0, effect.dofs)) is None for effect in others
     ):
         reductions = replace(reductions, symmetric=False)
     return reductions

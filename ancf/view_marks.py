@@ -181,7 +181,7 @@ def _plate(solution: Solution, point: Floats, normal: Floats, size: float) -> An
     centre = middle - (normal @ (middle - point)) * normal
     first = _across(normal)
     second = np.cross(normal, first)
-    reach = [0.5 * np.abs(high - low) @ np.abs(side) + 0.05 * size for side in (first, second)]
+    reach = [float(0.5 * np.abs(high - low) @ np.abs(side)) + 0.05 * size for side in (first, second)]
     thickness = 0.012 * size
     slab = pyvista.Box((-thickness, 0.0, -reach[0], reach[0], -reach[1], reach[1]))
     matrix = np.eye(4)

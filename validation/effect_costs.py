@@ -84,6 +84,8 @@ ALONE: dict[str, dict[str, Any]] = {
     "line_moment": {"line_moment": [{"value": [0, 0, 2 * _EI]}]},
     "magnet": {"magnet": [{"remanence": [0.1, 0, 0], "field": [0, 0.005, 0]}]},
     "tendon": {"tendon": [{"tension": 0.3, "path": [[0, 0.005, 0], [1, 0.005, 0]]}]},
+    "spring": {"spring": [{"stiffness": 10.0}]},
+    "foundation": {"foundation": [{"stiffness": 10.0}]},
     "pressure": {"pressure": [{"value": 1e3, "chamber": {"centre": [0.003, 0], "radius": 0.004}}]},
 }
 

@@ -94,12 +94,12 @@ def test_a_failure_is_drawn_and_listed(monkeypatch):
     from validation.report.figures_cost import family_figure
     from validation.report.style import styled
 
-    gravity = families()[3]
-    monkeypatch.setattr(run, "MESHES", (2, 8))
-    found = run.measure(gravity)
+    helix = families()[1]
+    monkeypatch.setattr(run, "MESHES", (1, 8))
+    found = run.measure(helix)
     failed = [p for p in found.points if not p.converged]
     assert failed and all(p.error is None for p in failed)
-    assert any("3363" in text and "2 elements" in text for text in found.omissions)
+    assert any("3363" in text and "1 element" in text for text in found.omissions)
     with styled():
         assert "cost-family" in family_figure(found)
 
