@@ -159,7 +159,8 @@ def design_from_dict(tables: Mapping[str, Any], where: str = "design") -> Design
         if "count" in table.data and table.data["count"] != count:
             table.refuse(
                 "count", "The number of rows does not belong to this grid.",
-                f"count = {table.data['count']}, the steps give {count}", "a grid has the product of its steps",
+                f"count = {table.data['count']}, the steps give {count}",
+                "a grid has the product of its steps",
                 "leave count out, or change the steps",
             )  # fmt: skip
     else:
@@ -193,7 +194,7 @@ def _variable(entry: Table, scene: Scene, sampling: str) -> Variable:
     if not lowest <= low < high:
         entry.refuse(
             "range", "The range is not one.", f"[{low:g}, {high:g}]",
-            "the smaller number comes first" if lowest < 0 else "the smaller number comes first, and a tendon cannot push",
+            "the smaller number comes first" + (", and a tendon cannot push" if kind == "tendon" else ""),
             "give [smallest, largest]",
         )  # fmt: skip
     steps = entry.whole("steps", 2, MOST_ROWS) if sampling == "grid" else 0

@@ -64,7 +64,7 @@ class Plan:
 
     @property
     def still_moments(self) -> Floats:
-        """Rows (n, 3) of the first moment where moments do not vary, in its frame; zero where there is none."""
+        """Rows (n, 3) of the first moment where none varies, in its frame; zero where there is none."""
         moments, scene = self.design.scene.moments, self.design.scene
         own = scene.load_axes(moments[0]).T @ moments[0].value if moments else np.zeros(3)
         return np.tile(own, (self.design.count, 1))
