@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterator
@@ -49,6 +50,7 @@ class Cluster(Executor):
         from distributed import Client  # pyright: ignore[reportMissingImports]
 
         self.address = address
+        _hush()
         try:
             self.client = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
@@ -105,6 +107,13 @@ class Cluster(Executor):
 
     def _refuse(self, what: str, value: str, cause: str, advice: str) -> NoReturn:
         raise InputError(Message(what, f"--scheduler {self.address}", value, cause, advice))
+
+
+def _hush() -> None:
+    """Keep Dask's log of lost connections, tracebacks included, to itself: `lost` says the same in one line."""
+    known = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    for name in (*known, "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 def _leave_interrupts_to_the_parent() -> None:

@@ -155,7 +155,7 @@ def shard(text: str, blocks: int) -> range:
 
 
 def _solved(blocks: Iterable[Block], executor: Executor | None) -> Iterator[Solved]:
-    """Answers in the order in which they come."""
+    """Answers in the order in which they come; what is still waiting at an error is left to the executor."""
     if executor is None:
         yield from map(solve, blocks)
         return
@@ -170,26 +170,22 @@ def _solved(blocks: Iterable[Block], executor: Executor | None) -> Iterator[Solv
             yield from (
                 future.result() for future in sorted(done, key=_failed)
             )  # answers first: none is lost
-            if not done:
-                _check_alive(executor)
+            if not done and (reason := _lost(executor)):
+                _refuse_lost(reason)
     except Exception as error:
         if not isinstance(error, LOST) and type(error).__name__ != "KilledWorker":  # of distributed
             raise
-        _refuse_lost(f"{type(error).__name__}: {error}")
-    finally:
-        for future in waiting:
-            future.cancel()
+        _refuse_lost(_lost(executor) or f"{type(error).__name__}: {error}")
 
 
 def _failed(future: Future[Solved]) -> bool:
     return future.cancelled() or future.exception() is not None
 
 
-def _check_alive(executor: Executor) -> None:
-    """Ask an executor that can tell whether somebody is left who could answer."""
-    lost = getattr(executor, "lost", None)
-    if lost is not None and (reason := lost()):
-        _refuse_lost(reason)
+def _lost(executor: Executor) -> str:
+    """What an executor that can tell says about workers that are gone; empty while one is left."""
+    tell = getattr(executor, "lost", None)
+    return tell() if tell is not None else ""
 
 
 def _refuse_lost(value: str) -> NoReturn:
