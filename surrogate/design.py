@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.errors import Message, SceneError
+from ancf.errors import InputError, Message
 from ancf.scene import Scene
 from ancf.scene_file import read_tables, scene_from_dict
-from ancf.scene_table import Table
+from ancf.scene_table import Table, nearest
 from ancf.units import FORCE, MOMENT, Dimension
 
 Floats = NDArray[np.float64]
@@ -112,7 +112,16 @@ def load_design(path: str | PathLike[str]) -> Design:
 
 
 def preset(name: str, count: int | None = None, seed: int | None = None) -> Design:
-    """One of the `PRESETS`, with another number of rows or another seed if wanted."""
+    """One of the `PRESETS`, with another number of rows or another seed if wanted; raises `InputError`."""
+    if name not in PRESETS:
+        close = nearest(name, PRESETS)
+        raise InputError(
+            Message(
+                "There is no such preset.", f"--preset {name}", f"presets are {', '.join(PRESETS)}",
+                "a misspelt name" if close else "designs of your own are files: ancf dataset DESIGN.toml",
+                f'did you mean "{close}"?' if close else f'take "{PRESETS[0]}"',
+            )
+        )  # fmt: skip
     tables = read_tables(Path(__file__).parent / "designs" / f"{name}.toml")
     return changed(tables, f"preset {name}", count, seed)
 
@@ -219,15 +228,3 @@ def _check_twice(table: Table, variables: tuple[Variable, ...]) -> None:
 def _plain(value: Any) -> Any:
     """Arrays and NumPy numbers as plain ones; anything else that TOML knows as text."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
-
-
-__all__ = [
-    "PRESETS",
-    "Design",
-    "Message",
-    "SceneError",
-    "Variable",
-    "design_from_dict",
-    "load_design",
-    "preset",
-]

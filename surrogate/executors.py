@@ -110,7 +110,7 @@ class Cluster(Executor):
 
 
 def _hush() -> None:
-    """Keep Dask's log of lost connections, tracebacks included, to itself: `lost` says the same in one line."""
+    """Keep Dask's log of lost connections and its tracebacks quiet: `lost` says the same in one line."""
     known = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
     for name in (*known, "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -42,8 +43,8 @@ class Plan:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """What decides the bytes, as plain data."""
-        return {
+        """What decides the bytes, as plain data in the order in which a shard gives it back."""
+        record = {
             "schema": SCHEMA,
             "design": dict(self.design.tables),
             "rows_per_block": ROWS,
@@ -51,6 +52,7 @@ class Plan:
             "certificate": self.gate.id,
             "versions": versions(),
         }
+        return json.loads(json.dumps(record, sort_keys=True))
 
     @cached_property
     def digest(self) -> str:

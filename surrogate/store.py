@@ -44,7 +44,7 @@ class Store:
             return
         with writing(self.folder):
             self.blocks.mkdir(parents=True, exist_ok=True)
-            npz.write_bytes(path, json.dumps(self.plan.record, indent=1, sort_keys=True).encode())
+            npz.write_bytes(path, json.dumps(self.plan.record, indent=1).encode())
 
     def path(self, number: int) -> Path:
         """File of a block."""

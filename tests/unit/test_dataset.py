@@ -81,7 +81,7 @@ def test_its_poses_are_those_of_the_closed_form(paper):
     r = 0.4 * (m * along + np.sin(phi) / phi * (e - m * along) + (1 - np.cos(phi)) / phi * np.cross(m, e))
     assert np.abs(paper.pose[:, :, 0] - r).max() < 2 * 0.0019 * 0.4
     # R(L) = Exp(v) Exp(nu tau e) turns A_o, whose columns the gradients were; tau = v.e. The angles differ by
-    # a few (kappa R)^2 |v|, the lengths by less; a wrong sign of nu or a frame confused would cost 0.6 or more.
+    # a few (kappa R)^2 |v|, the lengths by less; a wrong sign of nu or another frame would cost 0.6 or more.
     from scipy.spatial.transform import Rotation
 
     turn = Rotation.from_rotvec(v) * Rotation.from_rotvec(0.3 * (v @ e)[:, None] * e)
@@ -323,6 +323,9 @@ def test_parquet_holds_the_same(made, tmp_path):
 # --- what a design may not say --------------------------------------------------------------------------
 
 
+THREE = {"load": "moment", "range": [0, 1], "steps": 3}
+
+
 def accurate():
     rod = {key: value for key, value in SMALL["rod"][0].items() if key != "elements"}
     return {"rod": [rod], "solver": {"accuracy": 1e-3}}
@@ -344,18 +347,17 @@ def without(key):
         (tables(cuont=3), "design.cuont", 'did you mean "count"'),
         (tables(count=0), "design.count", "out of range"),
         (tables(seed=-1), "design.seed", "out of range"),
-        (tables(vary=[{"load": "moment", "range": [0.01, -0.01]}]), "vary[0].range", "smaller number comes first"),
+        (tables(vary=[{"load": "moment", "range": [0.01, -0.01]}]), "vary[0].range", "smaller number"),
         (tables(vary=[{"load": "moment", "range": [0.0, "1 N"]}]), "vary[0].range[1]", "moment"),
         (tables(vary=[{"load": "moment", "range": [0.0, math.inf]}]), "vary[0].range[1]", "not finite"),
         (tables(vary=[{"load": "moment", "index": 1, "range": [0, 1]}]), "vary[0].index", "out of range"),
         (tables(vary=[{"load": "moment", "range": [0, 1]}] * 2), "vary", "moment[0].x varies twice"),
         (tables(vary=[{"load": "force", "range": [0, 1]}]), "vary[0].load", "no [[force]] table"),
-        (tables(vary=[{"load": "pressure", "range": [0, 1]}]), "vary[0].load", "none of moment, force, tendon"),
+        (tables(vary=[{"load": "pressure", "range": [0, 1]}]), "vary[0].load", "none of moment, force"),
         (tables(vary=[{"load": "moment", "range": [0, 1], "steps": 3}]), "vary[0].steps", "Only a grid"),
-        (tables(sampling="grid", vary=[{"load": "moment", "range": [0, 1], "steps": 3}]), "count", "the steps give 3"),
+        (tables(sampling="grid", vary=[THREE]), "count", "the steps give 3"),
         (
-            tables(sampling="grid", split="design", count=3, vary=[{"load": "moment", "range": [0, 1], "steps": 3}]),
-            "split", "no independent designs",
+            tables(sampling="grid", split="design", count=3, vary=[THREE]), "split", "no independent designs",
         ),
         ({**tables(), **accurate()}, "solver.accuracy", "one mesh"),
         ({**tables(), "rods": []}, "rods", "did you mean"),
