@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -59,6 +60,8 @@ def dataset(
     from validation.certificate import NotValidated
 
     _check_options(design, preset, workers, scheduler, shard, merge)
+    if parquet:
+        import_module("pyarrow")  # where it is missing, that is said before anything is solved
     try:
         with _Progress(json) as progress:
             if merge:

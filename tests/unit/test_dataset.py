@@ -238,6 +238,14 @@ def test_a_data_set_is_read_back(made):
     )
 
 
+def test_its_rows_can_be_solved_again(made):
+    found, folder = made
+    design = load(folder).design
+    batch = ancf.solve_batch(design.scene, found.moments)
+    assert np.array_equal(batch.poses, found.pose)
+    assert design.variables == small(count=20).variables
+
+
 def test_equal_arrays_are_equal_bytes(tmp_path):
     arrays = {"b": np.arange(3.0), "a": np.array("text"), "c": np.arange(6).reshape(2, 3).T}
     first = npz.write(tmp_path / "first.npz", arrays).read_bytes()
