@@ -95,6 +95,8 @@ def load(path: str | PathLike[str]) -> DataSet:
     ]
     if not wrong and str(arrays[STAMP]) != card["certificate"]:
         wrong = [f"the data are stamped {arrays[STAMP]}, the card {card['certificate']}"]
+    if not wrong and card["certificate"] not in (UNVALIDATED, card["plan"].get("certificate")):
+        wrong = [f"the card is stamped {card['certificate']}, its plan {card['plan'].get('certificate')}"]
     if wrong:
         refuse(folder / DATA, "Data and card do not belong together.", "; ".join(wrong))
     found = DataSet(**{name: arrays[name] for name in ARRAYS}, card=card)

@@ -165,6 +165,11 @@ def design_from_dict(tables: Mapping[str, Any], where: str = "design") -> Design
     _check_twice(table, variables)
     if sampling == "grid":
         count = int(np.prod([float(variable.steps) for variable in variables]))
+        if count > MOST_ROWS:
+            table.refuse(
+                "vary", "The grid is too large.", f"{count:g} rows, at most {MOST_ROWS:g}",
+                "a grid has the product of its steps", 'fewer steps, or sampling = "sobol"',
+            )  # fmt: skip
         if "count" in table.data and table.data["count"] != count:
             table.refuse(
                 "count", "The number of rows does not belong to this grid.",

@@ -265,6 +265,11 @@ def spoil_card(folder, **changes):
     (folder / "card.json").write_text(json.dumps({**card, **changes}))
 
 
+def restamp(folder, stamp):
+    spoil_card(folder, certificate=stamp)
+    spoil_data(folder, "certificate", lambda a: np.array(stamp))
+
+
 def spoil_data(folder, name, change):
     arrays = npz.read(folder / "data.npz")
     arrays[name] = change(arrays[name])
@@ -279,6 +284,7 @@ def spoil_data(folder, name, change):
         (lambda f: (f / "card.json").write_text("{"), "is damaged"),
         (lambda f: spoil_card(f, schema=2), "schema 2, this version knows 1"),
         (lambda f: spoil_card(f, certificate="f" * 64), "the data are stamped UNVALIDATED, the card ffff"),
+        (lambda f: restamp(f, "f" * 64), "the card is stamped ffff.*, its plan UNVALIDATED"),
         (
             lambda f: (f / "data.npz").write_bytes((f / "data.npz").read_bytes()[:5000]),
             "truncated or damaged",
@@ -363,6 +369,10 @@ def without(key):
         (tables(vary=[{"load": "force", "range": [0, 1]}]), "vary[0].load", "no [[force]] table"),
         (tables(vary=[{"load": "pressure", "range": [0, 1]}]), "vary[0].load", "none of moment, force"),
         (tables(vary=[{"load": "moment", "range": [0, 1], "steps": 3}]), "vary[0].steps", "Only a grid"),
+        (
+            tables(sampling="grid", vary=[{**THREE, "component": c, "steps": 10**5} for c in "xy"]), "vary",
+            "1e+10 rows, at most 1e+08",
+        ),
         (tables(sampling="grid", vary=[THREE]), "count", "the steps give 3"),
         (
             tables(sampling="grid", split="design", count=3, vary=[THREE]), "split", "no independent designs",
