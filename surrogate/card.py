@@ -74,9 +74,7 @@ def frames(plan: Plan) -> dict[str, Any]:
 
 def moment_range(plan: Plan) -> list[list[float]]:
     """Bounds [N m] of the three components of the first moment, in its frame."""
-    moments = plan.design.scene.moments
-    own = plan.design.scene.load_axes(moments[0]).T @ moments[0].value if moments else np.zeros(3)
-    bounds = np.stack([own, own], axis=1)
+    bounds = np.repeat(plan.design.first_moments(plan.sample.points[:1]).T, 2, axis=1)
     for variable in plan.design.variables:
         if (variable.load, variable.index) == ("moment", 0):
             bounds["xyz".index(variable.component)] = variable.low, variable.high

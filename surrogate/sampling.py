@@ -39,7 +39,7 @@ def sample(design: Design) -> Sample:
     Under the split "design" training, validation and test rows come one after the other, each from a
     sequence of its own; under "random" they are drawn from all rows, as in the paper.
     """
-    bounds = design.largest
+    bounds = design.bounds
     sizes = split_sizes(design.count)
     if design.sampling == "grid":
         levels = [np.linspace(v.low, v.high, v.steps) for v in design.variables]

@@ -98,8 +98,8 @@ class Store:
         compare(other / FOLDER / PLAN, read_plan(other), self.plan)
         source = Store(other, self.plan)
         taken = 0
-        for number in range(self.plan.blocks):
-            if not source.path(number).exists() or self.path(number).exists():
+        for number in self.unfinished(range(self.plan.blocks))[0]:
+            if not source.path(number).exists():
                 continue
             try:
                 source.read(number)

@@ -118,10 +118,10 @@ def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
     outside = [reason for block in blocks for reason in block.outside]
     if not allow_unvalidated:
         refuse_outside(f"design {plan.design.name}", outside)
-    sample, loads = plan.sample, plan.design.values(plan.sample.points)
+    sample = plan.sample
     arrays = {name: np.concatenate([block.arrays[name] for block in blocks]) for name in RESULTS}
     arrays |= {"loads": sample.points, "split": sample.split, "group": sample.group}
-    arrays["moments"] = loads["moments"][:, 0] if "moments" in loads else plan.still_moments
+    arrays["moments"] = plan.design.first_moments(sample.points)
     content = card(plan, arrays, outside)
     arrays[STAMP] = np.array(content["certificate"])
     with writing(folder):

@@ -196,6 +196,11 @@ def test_moments_that_do_not_vary_are_the_ones_of_the_scene(tmp_path):
     assert np.allclose(found.moments, [[1e-3, 0, 2e-3]] * 3, atol=1e-18)
     assert found.loads.shape == (3, 1)
     assert found.card["moment_range"] == [pytest.approx([m, m]) for m in (1e-3, 0, 2e-3)]
+    second = {**data, "moment": [*data["moment"], {"value": [0, 0, 0], "at": 0.5}]}
+    second["design"] = {"count": 3, "vary": [{"load": "moment", "index": 1, "range": [0, 1e-3]}]}
+    found = make(design_from_dict(second), tmp_path / "second", allow_unvalidated=True)
+    assert np.allclose(found.moments, [[1e-3, 0, 2e-3]] * 3, atol=1e-18)
+    assert found.loads.min() > 0.0
     del data["moment"]
     found = make(design_from_dict(data), tmp_path / "none", allow_unvalidated=True)
     assert np.array_equal(found.moments, np.zeros((3, 3)))

@@ -104,10 +104,12 @@ def test_shards_make_the_same_bytes(tmp_path, whole):
     for i, folder in enumerate(folders):
         solve_blocks(plan, folder, shard(f"{i + 1}/2", plan.blocks))
     before = [contents(folder) for folder in folders]
+    shutil.copytree(folders[0], tmp_path / "spare")
     merge(folders, tmp_path / "all")
     assert contents(tmp_path / "all") == whole
     assert [contents(folder) for folder in folders] == before
-    merge(folders, folders[0])  # into one of them
+    (folders[0] / "blocks" / "000000.npz").write_bytes(b"damaged")
+    merge([folders[1], tmp_path / "spare"], folders[0])  # into one of them, of which a block is broken
     assert contents(folders[0]) == whole
 
 
