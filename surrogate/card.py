@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from surrogate import npz
 from surrogate.gate import UNVALIDATED
 from surrogate.plan import SCHEMA, Plan
-from surrogate.sampling import SPLIT_NAMES
+from surrogate.sampling import SPLIT_NAMES, seeds
 
 MOST_REASONS = 20
 
@@ -51,6 +51,7 @@ def card(plan: Plan, arrays: Mapping[str, NDArray], outside: Sequence[str]) -> d
         "arm": arm(plan),
         "sampling": {"kind": design.sampling, "count": design.count, "split": design.split},
         "seed": design.seed,
+        "seeds": seeds(design),
         "versions": plan.record["versions"],
         "arrays": {
             name: {"shape": list(array.shape), "dtype": array.dtype.str, "sha256": npz.sha256(array)}

@@ -58,6 +58,7 @@ def test_paper_is_the_sweep_of_the_paper(paper):
         "poisson_ratio": 0.3, "law": "SaintVenantKirchhoff", "element": "3243", "elements": 12,
         "formulation": "enhanced", "bending_stiffness": pytest.approx(EI),
     }  # fmt: skip
+    assert paper.card["seeds"] == {"sequences": [], "split": [[0, 3]]}
     assert paper.card["moment_range"] == [[-0.02, 0.02]] * 3
     assert paper.card["frames"]["base"]["rotation"] == [[0, 0, -1], [0, 1, 0], [1, 0, 0]]  # eq. 3
     assert set(paper.status) == {"converged"}
@@ -236,6 +237,7 @@ def test_a_data_set_is_read_back(made):
         "moments": (20, 3), "loads": (20, 3), "pose": (20, 3, 4), "stretch": (20, 3), "status": (20,),
         "iterations": (20,), "residual": (20,), "load_factor": (20,), "split": (20,), "group": (20,),
     }  # fmt: skip
+    assert found.card["seeds"] == {"sequences": [[7, 0], [7, 1], [7, 2]], "split": []}
     assert not found.validated
     assert found.card["reasons"] == ["ancf/energy.py changed"]
     assert np.array_equal(
