@@ -14,6 +14,7 @@ import pytest
 
 import ancf
 from ancf.cli import main
+from ancf.scene_file import read_tables
 from surrogate import gate, npz
 from surrogate.blocks import solve
 from surrogate.dataset import load
@@ -25,8 +26,11 @@ from surrogate.sweep import make
 from tests.certificates import LEFT_OUT, passing_run, roots_in
 from tests.datasets import ID, VOUCHED, certificate, small, stale, tables, valid
 from tests.regimes import REGIME
-from validation.certificate import NotValidated, Verification, build, verify, write
+from validation.certificate import SHIPPED, NotValidated, Verification, build, verify, write
+from validation.certificate import load as load_certificate
 from validation.digests import PACKAGE
+
+DESIGNS = Path(__file__).parents[2] / "examples" / "designs"
 
 
 def parts(error):
@@ -217,6 +221,16 @@ def test_the_whole_way_from_a_certificate_to_data(tmp_path):
         done.stdout.startswith("There is no valid certificate for this code")
         and "ancf/units.py changed" in done.stdout
     )
+
+
+@pytest.mark.parametrize("name", ["tip-force", "follower-moment", "neo-hookean"])
+def test_examples_lie_in_the_domain_of_the_shipped_certificate(name):
+    """Whether it holds for the present code or not: the corners of the box, its hardest points."""
+    data = read_tables(DESIGNS / f"{name}.toml")
+    corners = [{**variable, "steps": 2} for variable in data["design"]["vary"]]
+    data["design"] = {"sampling": "grid", "vary": corners}
+    plan = Plan(design_from_dict(data), Gate(load_certificate(SHIPPED)))
+    assert solve(plan.block(0)).outside == []
 
 
 def test_refusal_of_nothing():

@@ -12,11 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ancf.errors import InputError
 from surrogate import gate, npz, sweep
 from surrogate.executors import opened
-from surrogate.gate import ask
+from surrogate.gate import Gate, ask
 from surrogate.plan import Plan
 from surrogate.store import OtherPlan
 from surrogate.sweep import finished, make, merge, shard
@@ -124,6 +126,20 @@ def test_progress_counts_blocks(tmp_path):
 )
 def test_blocks_of_a_shard(text, blocks):
     assert list(shard(text, 5)) == blocks
+
+
+@given(st.integers(0, 200), st.integers(1, 30))
+def test_shards_are_every_block_once(blocks, count):
+    parts_ = [list(shard(f"{i + 1}/{count}", blocks)) for i in range(count)]
+    assert sorted(number for part in parts_ for number in part) == list(range(blocks))
+    assert max(map(len, parts_)) - min(map(len, parts_)) <= 1
+
+
+@given(st.integers(1, 2000))
+def test_blocks_are_every_row_once(count):
+    plan = Plan(small(count=count), Gate(None))
+    rows = [row for number in range(plan.blocks) for row in range(count)[plan.rows(number)]]
+    assert rows == list(range(count))
 
 
 @pytest.mark.parametrize("text", ["0/2", "3/2", "1", "1/0", "-1/2", "a/b", "1/2/3", "1/ 2"])
