@@ -290,6 +290,8 @@ def spoil_data(folder, name, change):
         (lambda f: (f / "data.npz").unlink(), "The data cannot be read"),
         (lambda f: (f / "card.json").write_text("{"), "is damaged"),
         (lambda f: spoil_card(f, schema=2), "schema 2, this version knows 1"),
+        (lambda f: (f / "card.json").write_text("[]"), "schema None, this version knows 1"),
+        (lambda f: spoil_card(f, plan=[], arrays=None), "arrays, plan missing or of another kind"),
         (lambda f: spoil_card(f, certificate="f" * 64), "the data are stamped UNVALIDATED, the card ffff"),
         (lambda f: restamp(f, "f" * 64), "the card is stamped ffff.*, its plan UNVALIDATED"),
         (

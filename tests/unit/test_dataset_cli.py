@@ -130,6 +130,8 @@ def test_the_gate_closes_with_code_4(mine, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(gate, "verify", stale)
     told = refused(capsys, mine, "--out", str(out), code=4)
     assert "ancf/energy.py changed" in told
+    assert main(["dataset", mine, "--out", str(out), "--shard", "1/2", "--allow-unvalidated"]) == 0
+    capsys.readouterr()
     assert refused(capsys, "--merge", str(out), "--out", str(tmp_path / "other"), code=4)
     other = str(tmp_path / "allowed")
     assert main(["dataset", mine, "--out", other, "--allow-unvalidated", "--json"]) == 0

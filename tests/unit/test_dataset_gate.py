@@ -22,7 +22,7 @@ from surrogate.design import design_from_dict
 from surrogate.gate import UNVALIDATED, Gate, admit, ask, refuse_outside
 from surrogate.plan import Plan
 from surrogate.store import OtherPlan
-from surrogate.sweep import make
+from surrogate.sweep import make, sweep
 from tests.certificates import LEFT_OUT, passing_run, roots_in
 from tests.datasets import ID, VOUCHED, certificate, small, stale, tables, valid
 from tests.regimes import REGIME
@@ -113,7 +113,7 @@ def test_samples_outside_the_domain_are_refused_by_name(tmp_path, monkeypatch, c
     message = parts(refused)
     assert words in message.value and message.value.startswith("row ")
     assert message.where == "design small"
-    assert not (tmp_path / "data.npz").exists()
+    assert not list(tmp_path.iterdir())  # the next design finds an empty folder
     found = make(small(), tmp_path, allow_unvalidated=True)
     assert found.card["certificate"] == UNVALIDATED and words in found.card["reasons"][0]
     with pytest.raises(NotValidated, match="row "):  # the finished data without the permission
@@ -139,6 +139,16 @@ def test_every_row_is_judged_and_not_the_hardest_alone():
     bent, twisted = {**VOUCHED, "loads": ["bending"]}, {**VOUCHED, "loads": ["torsion"], "turn": 0.5}
     batch = ancf.solve_batch(small().scene, EI_L * np.array([[0, 0.9, 0], [0.6, 0, 0.1], [0.3, 0, 0.1]]))
     assert list(Gate(certificate(bent, twisted)).outside(batch)) == [1]
+
+
+def test_blocks_that_were_allowed_are_not_taken_without_the_permission(tmp_path, monkeypatch):
+    monkeypatch.setattr(gate, "verify", valid({**VOUCHED, "turn": 0.6}))
+    plan = Plan(small(), ask())
+    sweep(plan, tmp_path, [0], allow_unvalidated=True)
+    with pytest.raises(NotValidated):
+        make(small(), tmp_path)
+    assert (tmp_path / "blocks" / "000000.npz").exists()  # what was there before stays
+    assert make(small(), tmp_path, allow_unvalidated=True).card["certificate"] == UNVALIDATED
 
 
 def test_rows_under_other_loads_are_judged_solved():
@@ -205,7 +215,7 @@ def test_the_whole_way_from_a_certificate_to_data(tmp_path):
     path.write_text(json.dumps(tables(count=10)))
     code = (  # without numba, whose kernels would be compiled anew in another folder
         "import json, sys; sys.modules['numba'] = None\n"
-        "from surrogate.design import design_from_dict; from surrogate.sweep import make\n"
+        "from surrogate.design import design_from_dict; from surrogate.sweep import make, sweep\n"
         "from validation.certificate import NotValidated\n"
         "try: print(make(design_from_dict(json.load(open('design.json'))), 'data').card['certificate'])\n"
         "except NotValidated as error: print(error)"

@@ -311,7 +311,6 @@ def test_a_missing_shard_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("schema", 2, "the schema of data sets differs: 2 there, 1 here"),
         ("certificate", "d" * 64, "the certificate differs: dddd"),
         ("solver", "e" * 64, "the code of the solver (digest of ancf/) differs: eeee"),
         ("versions", {"numpy": "1.0"}, "versions of packages differs"),
@@ -328,14 +327,22 @@ def test_shards_of_another_kind_are_refused_by_name(tmp_path, key, value, words)
         assert words in parts(refused).value and str(path) == parts(refused).where
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}"])
-def test_a_plan_that_is_none(tmp_path, text):
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": 2}'])
+def test_a_plan_of_another_schema(tmp_path, text):
     half(tmp_path)
     (tmp_path / "blocks" / "plan.json").write_text(text)
-    with pytest.raises(InputError):
+    words = "this version knows 1" if text else "it is not JSON"
+    with pytest.raises(InputError, match=words):
         merge([tmp_path], tmp_path / "out")
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=words):
         make(small(), tmp_path)
+
+
+def test_data_of_unknown_origin_are_left_alone(tmp_path):
+    (tmp_path / "data.npz").write_text("somebody's")
+    with pytest.raises(InputError, match="unknown origin"):
+        make(small(), tmp_path)
+    assert contents(tmp_path) == {"data.npz": b"somebody's"}
 
 
 def test_a_folder_with_other_data_is_left_alone(tmp_path):
