@@ -332,11 +332,18 @@ def test_numbers_that_cannot_be(made, name, change, words):
 
 
 def test_parquet_holds_the_same(made, tmp_path):
-    pytest.importorskip("pyarrow")
+    pq = pytest.importorskip("pyarrow.parquet")
     from surrogate import parquet
 
     found, _ = made
     again = parquet.read(parquet.write(found, tmp_path / "data.parquet"))
+    table = pq.read_table(tmp_path / "data.parquet")  # by the names that others will read
+    assert np.array_equal(table["r_x.z"], found.pose[:, 2, 1])
+    assert np.array_equal(table["r.y"], found.pose[:, 1, 0])
+    assert np.array_equal(table["moments.y"], found.moments[:, 1])
+    assert np.array_equal(table["stretch.r_z"], found.stretch[:, 2])
+    units = {field.name: field.metadata[b"unit"] for field in table.schema}
+    assert [units[name] for name in ("moment[0].x", "r.x", "r_x.x")] == [b"N m", b"m", b"1"]
     for name in ARRAYS:
         assert np.array_equal(getattr(found, name), getattr(again, name)), name
         assert getattr(found, name).dtype == getattr(again, name).dtype

@@ -91,6 +91,10 @@ def test_a_worker_is_killed_half_way_and_the_bytes_are_the_same(cluster, tmp_pat
     make(design, tmp_path / "alone")
     first, second = cluster.worker("first"), cluster.worker("second")
     assert cluster.until(lambda: _count(cluster.address) == 2)
+    command = ["dataset", "--count", "300", "--allow-unvalidated", "--out"]
+    assert main([*command, str(tmp_path / "one"), "--scheduler", cluster.address]) == 0
+    assert main([*command, str(tmp_path / "two")]) == 0
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
     with opened(scheduler=cluster.address) as executor:
         address = {pid: address for address, pid in executor.client.run(os.getpid).items()}
         assert set(address) == {first.pid, second.pid}
