@@ -29,8 +29,9 @@ DESCRIPTIONS = {
     "validate": "Run the validation and write report.json.",
     "report": "Run the validation and write report.html beside report.json.",
     "cost": "Show what accuracy costs in time, for problem families or for one scene.",
+    "dataset": "Make an inverse-statics data set: loads and the tip poses they cause.",
 }
-LATER_COMMANDS = ("dataset", "train", "crossval", "track", "invert")
+LATER_COMMANDS = ("train", "crossval", "track", "invert")
 
 # Third-party package -> extra of this project that brings it.
 EXTRAS = {
@@ -40,6 +41,8 @@ EXTRAS = {
     "pyvista": "pictures",
     "jinja2": "report",
     "torch": "surrogate",
+    "distributed": "cluster",
+    "pyarrow": "parquet",
 }
 
 

@@ -165,9 +165,8 @@ class Model:
         """Number of unknowns that the supports leave."""
         return self.n - sum(s.rows.shape[0] for s in self.supports)
 
-    @np.errstate(
-        over="ignore", invalid="ignore", divide="ignore"
-    )  # a load may overflow; the solver reports it as not_finite
+    # A load may overflow; the solver reports it as not_finite.
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def residual(self, q: Floats, load_factor: float = 1.0) -> Residual:
         """Generalised forces at q (n,); prescribed motions are as far as at the load factor.
 
