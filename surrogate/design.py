@@ -107,7 +107,7 @@ class Design:
             if kind in varied
         }
         if "tendon" in varied:
-            found["tensions"] = np.tile([t.tension for t in self.scene.tendons], (len(points), 1))
+            found["tensions"] = np.tile([t.tension for t in self.scene.pulled_tendons], (len(points), 1))
         for variable, column in zip(self.variables, points.T, strict=True):
             if variable.load == "tendon":
                 found["tensions"][:, variable.index] = column
@@ -204,7 +204,7 @@ def design_from_dict(tables: Mapping[str, Any], where: str = "design") -> Design
 def _variable(entry: Table, scene: Scene, sampling: str) -> Variable:
     entry.expect_keys(VARY_KEYS)
     kind = entry.word("load", tuple(KINDS))
-    loads = {"moment": scene.moments, "force": scene.forces, "tendon": scene.tendons}[kind]
+    loads = {"moment": scene.moments, "force": scene.forces, "tendon": scene.pulled_tendons}[kind]
     if not loads:
         entry.refuse(
             "load", f"The scene has no {kind}.", f"no [[{kind}]] table",
