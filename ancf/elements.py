@@ -52,7 +52,8 @@ class Element:
     formulations : the formulations that the element knows, its default first (section_energy.py)
     assumed : strains that the default axial rule samples elsewhere on the axis, -1 to 1, than at its points
         (assumed_strain.py); other rules take every strain at their points
-    controlled : whether the default axial rule needs what its points miss of the sections (hourglass.py)
+    long_from : length in radii of gyration from which on the default axial rule needs what its points miss of
+        the sections (hourglass.py); 0: never
     """
 
     name: str
@@ -63,7 +64,7 @@ class Element:
     locks_from: int
     formulations: tuple[str, ...] = ("enhanced", "continuum")
     assumed: tuple[tuple[str, tuple[float, ...]], ...] = ()
-    controlled: bool = False
+    long_from: float = 0.0
 
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
@@ -211,7 +212,7 @@ ELEMENTS: dict[str, Element] = {
         full_points=5,
         locks_from=3,
         assumed=(("section", (-1.0, 0.0, 1.0)),),
-        controlled=True,
+        long_from=12.0,
     ),
     "3363": Element(
         "3363",
@@ -222,7 +223,7 @@ ELEMENTS: dict[str, Element] = {
         locks_from=3,
         formulations=("continuum",),
         assumed=(("section", (-1.0, 0.0, 1.0)),),
-        controlled=True,
+        long_from=8.0,
     ),
     "cable": Element(
         "cable",

@@ -215,7 +215,7 @@ class RodModel:
 
     def _control(self, position_columns: Indices) -> ElasticRod | None:
         """Energy of the sections that the default axial rule of the element misses (hourglass.py)."""
-        if not (self.element.controlled and self.rod.axial_rule == "default"):
+        if not (self.element.long_from and self.rod.axial_rule == "default"):
             return None
         first, kind = self.element_kinds
         N, H = [], []
@@ -223,7 +223,7 @@ class RodModel:
             h, rod = float(self.mesh.h[index]), self._local(index, 0.0)
             shape = generalised_shape(self.element, NODES, h)
             v0 = shape[1] @ _relative(self.element, self.e0[index])
-            weight = control_weight(h, rod.section.radius_of_gyration)
+            weight = control_weight(h, rod.section.radius_of_gyration, self.element.long_from)
             N.append(shape[:, len(self.element.directors) :])  # directors alone, without slopes
             H.append([weight * of_directors(self.element, shear_energy_matrix(self.element, rod, v0))])
         section = QuadraticSection(_spread(np.array(H), kind))

@@ -107,7 +107,9 @@ class Design:
             if kind in varied
         }
         if "tendon" in varied:
-            found["tensions"] = np.tile([t.tension for t in self.scene.pulled_tendons], (len(points), 1))
+            found["tensions"] = np.tile(
+                [t.tension or 0.0 for t in self.scene.pulled_tendons], (len(points), 1)
+            )
         for variable, column in zip(self.variables, points.T, strict=True):
             if variable.load == "tendon":
                 found["tensions"][:, variable.index] = column

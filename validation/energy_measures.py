@@ -57,14 +57,14 @@ def integrated_energy(model: RodModel, q: Floats) -> float:
 
 def _is_controlled(model: RodModel) -> bool:
     """Whether the rod has the energy besides that its axial points miss of the sections."""
-    return model.rod.axial_rule == "default" and model.element.controlled
+    return model.rod.axial_rule == "default" and model.element.long_from > 0.0
 
 
 def _swelling_energy(model: RodModel, e: Floats, e0: Floats, h: float) -> float:
     """Energy [J] of the second difference of the section's metric over the nodes.
 
     1/2 c h/45 int 2 mu E : E dA with 2 E_ab = C_ab(-1) - 2 C_ab(0) + C_ab(1) less its reference value, a, b
-    in {y, z}, and c = min(1, sqrt(I/A)/h).
+    in {y, z}, and c = rho h/(h^2 + (k rho)^2), rho^2 = I/A.
     """
     section = model.rod.section
     y, z, area = section.quadrature(CHECK_DEGREE)
@@ -76,7 +76,8 @@ def _swelling_energy(model: RodModel, e: Floats, e0: Floats, h: float) -> float:
     R0, J0 = frame_and_gradients(model, e0, 0.0, h, y, z)
     to_local = np.linalg.inv(J0) @ R0
     E = 0.5 * np.swapaxes(to_local, -1, -2) @ change @ to_local
-    c = min(1.0, float(np.sqrt(section.weaker_second_moment / section.area)) / h)
+    rho = float(np.sqrt(section.weaker_second_moment / section.area))
+    c = rho * h / (h**2 + (model.element.long_from * rho) ** 2)
     density = model.rod.material.lame_mu * np.sum(E * E, axis=(-2, -1))
     return c * h / 45.0 * float(np.sum(area * np.linalg.det(J0) * density))
 

@@ -170,6 +170,7 @@ def test_bending_energy_of_an_element(name):
     if arrays.axial_points == 2:
         s4 = kappa**4 / 144  # two Gauss points integrate x^2, not x^4: (1/12)^2
     expected = 5e5 * (kappa**2 * I + kappa**4 * I4 / 4) + 0.5 * G * s2 * (A + kappa**2 * I) + 5e5 * A * s4 / 4
-    if arrays.element.controlled:  # second difference of E_yy over the nodes: kappa^2/4; rho/h = R/2
-        expected += 0.5 * (R / 2) / 45 * 1e6 * A * (kappa**2 / 4) ** 2
+    if arrays.element.long_from:  # second difference of E_yy over the nodes: kappa^2/4; rho = R/2, h = 1
+        c = (R / 2) / (1.0 + (arrays.element.long_from * R / 2) ** 2)
+        expected += 0.5 * c / 45 * 1e6 * A * (kappa**2 / 4) ** 2
     assert arrays.elastic.energy(e) == pytest.approx(expected, rel=1e-12)

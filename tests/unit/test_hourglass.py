@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ancf.elements import ELEMENTS, R_Y, R_Z
-from ancf.hourglass import NODES, swelling
+from ancf.hourglass import NODES, control_weight, swelling
 from ancf.hyperelastic import NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.rod_model import make_rod_model
@@ -17,7 +17,7 @@ from ancf.sections import Circle
 from ancf.solver import solve
 from reference.elastica import elastica_tip_force
 
-CONTROLLED = [name for name, element in ELEMENTS.items() if element.controlled]
+CONTROLLED = [name for name, element in ELEMENTS.items() if element.long_from]
 YOUNG, NU = 1e6, 0.3
 every_controlled = pytest.mark.parametrize("name", CONTROLLED)
 
@@ -54,7 +54,7 @@ def test_long_elements_bend_as_the_elastica(name, slenderness, elements):
 @every_controlled
 def test_a_swelling_that_the_points_miss_costs_what_the_integral_says(name):
     """Sections grown by 1 + a P_2(xi) in y and z: E_yy = E_zz = a P_2 to first order, and with int P_2^2 dx =
-    h/5 the control is 2 mu a^2 A h/5 times rho/h, rho = R/2.
+    h/5 the control is 2 mu a^2 A h/5 times c = rho h/(h^2 + (k rho)^2), rho = R/2.
     """
     a, R, elements = 1e-6, 0.05, 2
     model = make_rod_model(Scene((arm(name, 1 / R, elements),)), arm(name, 1 / R, elements), 0)
@@ -66,19 +66,16 @@ def test_a_swelling_that_the_points_miss_costs_what_the_integral_says(name):
     control = model.elastic.control
     assert control is not None
     mu, h, A = YOUNG / (2 * (1 + NU)), 0.5, np.pi * R**2
-    expected = elements * 2 * mu * a**2 * A * h / 5 * (R / 2 / h)
+    c = (R / 2) * h / (h**2 + (ELEMENTS[name].long_from * R / 2) ** 2)
+    expected = elements * 2 * mu * a**2 * A * h / 5 * c
     # Second order in a, and the products' differences lose 1e-16/a of their digits.
     assert control.energy(e) == pytest.approx(expected, rel=1e-5)
 
 
-@every_controlled
-def test_short_elements_are_controlled_in_full(name):
-    """From h = rho on the factor is 1: the weight is h/45."""
-    rod = arm(name, 5, 40)
-    model = make_rod_model(Scene((rod,)), rod, 0)
-    half = make_rod_model(Scene((replace(rod, elements=80),)), replace(rod, elements=80), 0)
-    H, H_half = (m.elastic.control.section.H[0, 0] for m in (model, half))
-    np.testing.assert_allclose(H, 2.0 * H_half, rtol=1e-12)
+def test_short_elements_are_hardly_controlled():
+    """c falls from rho/h in long elements to h/(144 rho) in short ones; it is largest, 1/24, at 12 rho."""
+    c = [control_weight(h, 1.0, 12.0) * 45.0 / h for h in (1e4, 12.0, 1e-2)]
+    np.testing.assert_allclose(c, [1e-4, 1 / 24, 1e-2 / 144], rtol=1e-5)
 
 
 @every_controlled
