@@ -29,8 +29,9 @@ DESCRIPTIONS = {
     "validate": "Run the validation and write report.json.",
     "report": "Run the validation and write report.html beside report.json.",
     "cost": "Show what accuracy costs in time, for problem families or for one scene.",
+    "invert": "Find the tip moments for wanted tip poses.",
 }
-LATER_COMMANDS = ("dataset", "train", "crossval", "track", "invert")
+LATER_COMMANDS = ("dataset", "train", "crossval", "track")
 
 # Third-party package -> extra of this project that brings it.
 EXTRAS = {
