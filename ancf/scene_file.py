@@ -70,10 +70,15 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     SceneError
         If the file cannot be read, is no TOML, or says something that cannot be simulated.
     """
+    return scene_from_dict(read_tables(path), str(path))
+
+
+def read_tables(path: str | PathLike[str]) -> dict[str, Any]:
+    """The tables of a TOML file as they stand there; raises `SceneError` where it cannot be read."""
     text = _read_text(path)
     source = str(path)
     try:
-        data = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = re.fullmatch(r"(.*) \(at (.*)\)", str(error), re.DOTALL)
         what, place = (found[1], found[2]) if found else (str(error), "")
@@ -96,7 +101,6 @@ def load_scene(path: str | PathLike[str]) -> Scene:
                 "check that this is a scene file",
             )
         ) from None
-    return scene_from_dict(data, source)
 
 
 def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:

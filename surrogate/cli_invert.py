@@ -38,6 +38,8 @@ def invert(
     Exit code 0: answered; whether a pose is reachable is part of the answer. 2: the input is wrong.
     3: the search did not end for some pose.
     """
+    import numpy as np
+
     from ancf.io import result_text
     from ancf.scene_file import load_scene
     from surrogate.arm import Arm
@@ -46,7 +48,7 @@ def invert(
 
     wanted = load_poses(pose)
     arm = Arm.of(load_scene(model))
-    arm.solve(arm.moments([[0.0, 0.0, 0.1]]))  # compiling or loading the kernel is no part of the answer
+    arm.solve(arm.moments(np.array([[0.0, 0.0, 0.1]])))  # compiling or loading the kernel is no part of the answer
     started = time.perf_counter()
     found = exact_inverse(arm, wanted)
     record = {

@@ -1,0 +1,169 @@
+"""The sweep: blocks of a plan go to an executor, come back in any order, and are put together in theirs.
+
+Finished blocks lie in ``blocks/`` in the folder of the data set, so that a sweep that was cut off goes on where
+it stopped, and shards from elsewhere can be merged. data.npz and card.json come last, then the blocks go.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from pathlib import Path
+
+import numpy as np
+
+from ancf.errors import InputError, Message
+from surrogate import npz
+from surrogate.blocks import RESULTS, Block, Solved, solve
+from surrogate.card import card
+from surrogate.dataset import CARD, DATA, STAMP, DataSet, load, read_card
+from surrogate.design import Design
+from surrogate.gate import UNVALIDATED, ask, refuse_outside
+from surrogate.plan import Plan
+from surrogate.store import Store, compare, refuse_shard, writing
+
+IN_FLIGHT = 32  # blocks with the workers at once: enough to keep them busy, few enough to stop soon
+
+Progress = Callable[[int, int], None]
+
+
+def make(
+    design: Design,
+    folder: str | Path,
+    executor: Executor | None = None,
+    *,
+    allow_unvalidated: bool = False,
+    progress: Progress | None = None,
+) -> DataSet:
+    """Solve a design and write its data set, or go on with one that was cut off.
+
+    Parameters
+    ----------
+    executor : any of concurrent.futures, Dask's included; None solves in this process. The bytes are the same.
+    progress : called with the numbers of blocks done and of all
+
+    Raises
+    ------
+    NotValidated : no valid certificate, or rows outside its domain of validity (exit code 4).
+    InputError : the folder holds other data or cannot be written, a worker was lost (exit code 2).
+    """
+    plan, folder = Plan(design, ask(allow_unvalidated)), Path(folder)
+    if not finished(plan, folder, allow_unvalidated):
+        sweep(plan, folder, range(plan.blocks), executor, allow_unvalidated, progress)
+        assemble(plan, folder, allow_unvalidated)
+    return load(folder)
+
+
+def sweep(
+    plan: Plan,
+    folder: Path,
+    numbers: Iterable[int],
+    executor: Executor | None = None,
+    allow_unvalidated: bool = False,
+    progress: Progress | None = None,
+) -> None:
+    """Solve those of some blocks that are not on disk yet, and keep each as soon as it is solved."""
+    store, numbers = Store(folder, plan), list(numbers)
+    store.open()
+    wanted, damaged = store.unfinished(numbers)
+    for reason in damaged:
+        print(f"{reason}; it is solved again", file=sys.stderr)
+    done = len(numbers) - len(wanted)
+    for solved in _solved(map(plan.block, wanted), executor):
+        if solved.solver != plan.record["solver"]:
+            _refuse_worker(solved, plan)
+        if not allow_unvalidated:
+            refuse_outside(f"design {plan.design.name}", solved.outside)
+        store.write(solved)
+        done += 1
+        if progress is not None:
+            progress(done, len(numbers))
+
+
+def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
+    """Put the blocks together: data.npz, card.json; the blocks are removed. Raises `InputError`."""
+    store = Store(folder, plan)
+    missing, damaged = store.unfinished(range(plan.blocks))
+    if missing:
+        shown = ", ".join(map(str, missing[:10])) + (", ..." if len(missing) > 10 else "")
+        value = "; ".join(damaged) or f"blocks {shown} of {plan.blocks} are not there"
+        refuse_shard(store.blocks, value)
+    blocks = [store.read(number) for number in range(plan.blocks)]
+    outside = [reason for block in blocks for reason in block.outside]
+    if not allow_unvalidated:
+        refuse_outside(f"design {plan.design.name}", outside)
+    sample, loads = plan.sample, plan.design.values(plan.sample.points)
+    arrays = {name: np.concatenate([block.arrays[name] for block in blocks]) for name in RESULTS}
+    arrays |= {"loads": sample.points, "split": sample.split, "group": sample.group}
+    arrays["moments"] = loads["moments"][:, 0] if "moments" in loads else plan.still_moments
+    content = card(plan, arrays, outside)
+    arrays[STAMP] = np.array(content["certificate"])
+    with writing(folder):
+        npz.write(folder / DATA, arrays)
+        npz.write_bytes(folder / CARD, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+    store.clear()
+
+
+def finished(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> bool:
+    """Whether the folder holds the whole data set of this plan; raises `OtherPlan` if it holds another."""
+    if not (folder / CARD).exists():
+        return False
+    stored = read_card(folder)
+    compare(folder / CARD, stored["plan"], plan)
+    if stored["certificate"] == UNVALIDATED and not allow_unvalidated:
+        refuse_outside(f"design {plan.design.name}", stored["reasons"])
+    return True
+
+
+def shard(text: str, blocks: int) -> range:
+    """Blocks of the shard ``i/n``, the i-th of n: every n-th one, so that all shards take equally long."""
+    first, _, count = text.partition("/")
+    if not (first.isdecimal() and count.isdecimal() and 1 <= int(first) <= int(count)):
+        raise InputError(
+            Message(
+                "There is no such shard.", f"--shard {text}", "must be i/n with 1 <= i <= n",
+                "shards are counted from 1", "write 1/4 for the first of four",
+            )
+        )  # fmt: skip
+    return range(int(first) - 1, blocks, int(count))
+
+
+def _solved(blocks: Iterable[Block], executor: Executor | None) -> Iterator[Solved]:
+    """Answers in the order in which they come."""
+    if executor is None:
+        yield from map(solve, blocks)
+        return
+    waiting: set[Future[Solved]] = set()
+    try:
+        for block in blocks:
+            waiting.add(executor.submit(solve, block))
+            if len(waiting) >= IN_FLIGHT:
+                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in done)
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
+    except (BrokenExecutor, CancelledError, ConnectionError) as error:
+        raise InputError(
+            Message(
+                "A worker was lost.", "executor", f"{type(error).__name__}: {error}",
+                "it was killed, ran out of memory, or its machine went away",
+                "run the same command again: finished blocks are kept and nothing is lost",
+            )
+        ) from error  # fmt: skip
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _refuse_worker(solved: Solved, plan: Plan) -> None:
+    raise InputError(
+        Message(
+            "A worker runs other code than this process.", f"block {solved.number}",
+            f"digest of ancf/ {solved.solver[:12]} there, {plan.record['solver'][:12]} here",
+            "another version is installed on the worker's machine",
+            "install the same version there; the block was not taken",
+        )
+    )  # fmt: skip
