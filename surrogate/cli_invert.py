@@ -48,7 +48,9 @@ def invert(
 
     wanted = load_poses(pose)
     arm = Arm.of(load_scene(model))
-    arm.solve(arm.moments(np.array([[0.0, 0.0, 0.1]])))  # compiling or loading the kernel is no part of the answer
+    arm.solve(
+        arm.moments(np.array([[0.0, 0.0, 0.1]]))
+    )  # compiling or loading the kernel is no part of the answer
     started = time.perf_counter()
     found = exact_inverse(arm, wanted)
     record = {
