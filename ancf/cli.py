@@ -29,6 +29,10 @@ DESCRIPTIONS = {
     "validate": "Run the validation and write report.json.",
     "report": "Run the validation and write report.html beside report.json.",
     "cost": "Show what accuracy costs in time, for problem families or for one scene.",
+    "train": "Train an inverse model on a data set: tip pose to tip moment.",
+    "crossval": "Regenerate the paper's five-fold table.",
+    "track": "Follow the paper's reference trajectory with a model, through the solver.",
+    "reproduce": "Regenerate figures 4 to 11 and table 1 of the paper.",
     "invert": "Find the tip moments for wanted tip poses.",
 }
 LATER_COMMANDS = ("dataset", "train", "crossval", "track")

@@ -29,11 +29,14 @@ def invert(
 ) -> None:
     """Find the tip moments for wanted tip poses.
 
-    With a scene file: Levenberg-Marquardt on its equilibria from the closed form of the thin arm.
+    With the folder of a model (`ancf train`): its answer, then steps through the exact sensitivities until
+    the tip does not move. With a scene file, or --exact: the same search from the closed form of the thin arm.
 
-    JSON: {schema, model, validated, method, frame, length, seconds, poses[]}, poses[] = {moment [N m], status
-    (converged | not_converged), reachable, reason, position_mismatch [m], rotation_mismatch [rad], steps,
-    solves, pose}. Mismatches are between the wanted pose and the equilibrium under the moment.
+    JSON: {schema, model, method, certificate, frame, length, error_radius, seconds, poses[]}, poses[] =
+    {moment [N m], status (converged | not_converged), reachable, reason, position_mismatch [m],
+    rotation_mismatch [rad], steps, solves, pose, predicted [N m]}. Mismatches are between the wanted pose and
+    the equilibrium under the moment; `error_radius` (null without a model) is of `predicted`, the model's
+    answer before any step.
 
     Exit code 0: answered; whether a pose is reachable is part of the answer. 2: the input is wrong.
     3: the search did not end for some pose.
@@ -44,22 +47,32 @@ def invert(
     from ancf.scene_file import load_scene
     from surrogate.arm import Arm
     from surrogate.inverse import exact_inverse
+    from surrogate.model_file import load_model
     from surrogate.pose_file import load_poses
 
     wanted = load_poses(pose)
-    arm = Arm.of(load_scene(model))
-    arm.solve(
-        arm.moments(np.array([[0.0, 0.0, 0.1]]))
-    )  # compiling or loading the kernel is no part of the answer
+    if model.is_dir():
+        loaded = load_model(model)
+        arm, bounds, stamp = loaded.arm, loaded.bounds, loaded.record["certificate"]
+    else:
+        loaded, arm, bounds, stamp = None, Arm.of(load_scene(model)), None, None
+    arm.solve(arm.moments(np.array([[0.0, 0.0, 0.1]])))  # loading the kernel is no part of the answer
     started = time.perf_counter()
-    found = exact_inverse(arm, wanted)
+    predicted = None if loaded is None or exact else loaded.model.predict(wanted)
+    found = exact_inverse(arm, wanted, guess=predicted, bounds=bounds)
+    seconds = time.perf_counter() - started
+    learned = loaded is not None and predicted is not None
     record = {
         "schema": 1,
         "model": str(model),
-        "method": "levenberg-marquardt",
+        "method": f"{loaded.record['kind']}, gauss-newton" if learned else "levenberg-marquardt",
+        "certificate": stamp,
+        "error_radius": loaded.record["error_radius"] if learned else None,
         **answers(arm, found),
-        "seconds": time.perf_counter() - started,
+        "seconds": seconds,
     }
+    for answer, row in zip(record["poses"], predicted if predicted is not None else (), strict=False):
+        answer["predicted"] = row.tolist()
     if json:
         print(result_text(record))
     else:
@@ -101,5 +114,11 @@ def _show(record: dict[str, Any]) -> None:
         console.print(
             f"  mismatch {answer['position_mismatch'] / record['length']:.2e} of the length,"
             f" {answer['rotation_mismatch']:.2e} rad; {answer['steps']} steps, {answer['solves']} solves"
+        )
+    if record["error_radius"] is not None:
+        radius = record["error_radius"]
+        console.print(
+            f"the model alone is within {radius['position']:.2g} m and {radius['moment']:.2g} N m in"
+            f" {100 * radius['level']:g} of 100 cases; certificate: {record['certificate']}"
         )
     console.print(f"{record['method']}, {1e3 * record['seconds'] / len(record['poses']):.2g} ms a pose")
