@@ -41,8 +41,11 @@ class Solved:
 
 
 def solve(block: Block) -> Solved:
-    """Solve the rows of a block. Runs in any process; a row that fails keeps its status, and its last pose."""
-    batch = ancf.solve_batch(block.scene, **block.loads)
+    """Solve the rows of a block, in any process; a row that fails keeps its status and its last pose."""
+    loads = block.loads
+    batch = ancf.solve_batch(
+        block.scene, loads.get("moments"), forces=loads.get("forces"), tensions=loads.get("tensions")
+    )
     outside = [f"row {block.first + row}: {'; '.join(why)}" for row, why in block.gate.outside(batch).items()]
     return Solved(block.number, results(batch), outside, solver_digest())
 

@@ -30,7 +30,8 @@ def invert(
     """Find the tip moments for wanted tip poses.
 
     With the folder of a model (`ancf train`): its answer, then steps through the exact sensitivities until
-    the tip does not move. With a scene file, or --exact: the same search from the closed form of the thin arm.
+    the tip does not move. With a scene file, or --exact: the same search from the closed form of the thin
+    arm.
 
     JSON: {schema, model, method, certificate, frame, length, error_radius, seconds, poses[]}, poses[] =
     {moment [N m], status (converged | not_converged), reachable, reason, position_mismatch [m],
@@ -59,15 +60,15 @@ def invert(
     arm.solve(arm.moments(np.array([[0.0, 0.0, 0.1]])))  # loading the kernel is no part of the answer
     started = time.perf_counter()
     predicted = None if loaded is None or exact else loaded.model.predict(wanted)
+    trained = {} if loaded is None or exact else loaded.record
     found = exact_inverse(arm, wanted, guess=predicted, bounds=bounds)
     seconds = time.perf_counter() - started
-    learned = loaded is not None and predicted is not None
     record = {
         "schema": 1,
         "model": str(model),
-        "method": f"{loaded.record['kind']}, gauss-newton" if learned else "levenberg-marquardt",
+        "method": f"{trained['kind']}, gauss-newton" if trained else "levenberg-marquardt",
         "certificate": stamp,
-        "error_radius": loaded.record["error_radius"] if learned else None,
+        "error_radius": trained.get("error_radius"),
         **answers(arm, found),
         "seconds": seconds,
     }

@@ -1,8 +1,8 @@
 """Split-conformal error radius: with which distance a model's answers are right in 95 of 100 cases.
 
 With the errors e_1 .. e_n of n rows that the model has not seen, the ceil((n + 1) level)-th smallest is
-exceeded by the error of a new row with a probability of at most 1 - level, whatever the model, if the new row comes
-from the same design as the n. Off that design, and for disturbed poses, it promises nothing.
+exceeded by the error of a new row with a probability of at most 1 - level, whatever the model, if the new
+row comes from the same design as the n. Off that design, and for disturbed poses, it promises nothing.
 
 Source: Vovk, Gammerman, Shafer, Algorithmic Learning in a Random World (2005); Lei et al., JASA 113 (2018).
 """

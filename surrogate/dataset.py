@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, fields
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, NoReturn
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from ancf.errors import InputError, Message
 from surrogate import npz
+from surrogate.design import Design, design_from_dict
+from surrogate.gate import UNVALIDATED
 from surrogate.plan import SCHEMA
 from surrogate.sampling import SPLIT_NAMES
 
@@ -49,11 +52,14 @@ class DataSet:
     def __len__(self) -> int:
         return len(self.pose)
 
+    @cached_property
+    def design(self) -> Design:
+        """The design, with the scene under which moments can be solved again."""
+        return design_from_dict(self.card["plan"]["design"], "card.json")
+
     @property
     def validated(self) -> bool:
         """Whether a certificate vouches for these data."""
-        from surrogate.gate import UNVALIDATED
-
         return self.card["certificate"] != UNVALIDATED
 
     def rows(self, split: str) -> NDArray[np.intp]:

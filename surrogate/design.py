@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.errors import Message, SceneError
+from ancf.errors import InputError, Message
 from ancf.scene import Scene
 from ancf.scene_file import read_tables, scene_from_dict
-from ancf.scene_table import Table
+from ancf.scene_table import Table, nearest
 from ancf.units import FORCE, MOMENT, Dimension
 
 Floats = NDArray[np.float64]
@@ -112,7 +112,16 @@ def load_design(path: str | PathLike[str]) -> Design:
 
 
 def preset(name: str, count: int | None = None, seed: int | None = None) -> Design:
-    """One of the `PRESETS`, with another number of rows or another seed if wanted."""
+    """One of the `PRESETS`, with another number of rows or another seed if wanted; raises `InputError`."""
+    if name not in PRESETS:
+        close = nearest(name, PRESETS)
+        raise InputError(
+            Message(
+                "There is no such preset.", f"--preset {name}", f"presets are {', '.join(PRESETS)}",
+                "a misspelt name" if close else "designs of your own are files: ancf dataset DESIGN.toml",
+                f'did you mean "{close}"?' if close else f'take "{PRESETS[0]}"',
+            )
+        )  # fmt: skip
     tables = read_tables(Path(__file__).parent / "designs" / f"{name}.toml")
     return changed(tables, f"preset {name}", count, seed)
 
@@ -159,7 +168,8 @@ def design_from_dict(tables: Mapping[str, Any], where: str = "design") -> Design
         if "count" in table.data and table.data["count"] != count:
             table.refuse(
                 "count", "The number of rows does not belong to this grid.",
-                f"count = {table.data['count']}, the steps give {count}", "a grid has the product of its steps",
+                f"count = {table.data['count']}, the steps give {count}",
+                "a grid has the product of its steps",
                 "leave count out, or change the steps",
             )  # fmt: skip
     else:
@@ -193,7 +203,7 @@ def _variable(entry: Table, scene: Scene, sampling: str) -> Variable:
     if not lowest <= low < high:
         entry.refuse(
             "range", "The range is not one.", f"[{low:g}, {high:g}]",
-            "the smaller number comes first" if lowest < 0 else "the smaller number comes first, and a tendon cannot push",
+            "the smaller number comes first" + (", and a tendon cannot push" if kind == "tendon" else ""),
             "give [smallest, largest]",
         )  # fmt: skip
     steps = entry.whole("steps", 2, MOST_ROWS) if sampling == "grid" else 0
@@ -218,15 +228,3 @@ def _check_twice(table: Table, variables: tuple[Variable, ...]) -> None:
 def _plain(value: Any) -> Any:
     """Arrays and NumPy numbers as plain ones; anything else that TOML knows as text."""
     return value.tolist() if hasattr(value, "tolist") else str(value)
-
-
-__all__ = [
-    "PRESETS",
-    "Design",
-    "Message",
-    "SceneError",
-    "Variable",
-    "design_from_dict",
-    "load_design",
-    "preset",
-]

@@ -8,7 +8,7 @@ what comes of that is stamped UNVALIDATED wherever it goes.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -89,7 +89,7 @@ def refuse_outside(where: str, reasons: Iterable[str]) -> None:
                 where,
                 listed(reasons),
                 "no validated case has such a rod, load, mesh or curvature",
-                f"change ranges, element or elements, or stamp the data {UNVALIDATED} with --allow-unvalidated",
+                f"change ranges or elements, or stamp the data {UNVALIDATED} with --allow-unvalidated",
             )
         )
 
@@ -108,13 +108,6 @@ def listed(reasons: Iterable[str]) -> str:
 
 
 def _moments_only(scene: Scene) -> bool:
-    """Whether tip moments that keep their direction are all that acts."""
-    acting = (
-        scene.forces,
-        scene.line_loads,
-        scene.line_moments,
-        scene.magnets,
-        scene.tendons,
-        scene.pressures,
-    )
-    return not any(acting) and scene.gravity is None and not scene.joints
+    """Whether point moments are all that acts."""
+    no_loads = {"rods", "moments", "solver", "stability", "title"}
+    return not any(getattr(scene, field.name) for field in fields(scene) if field.name not in no_loads)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -42,8 +43,8 @@ class Plan:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """What decides the bytes, as plain data."""
-        return {
+        """What decides the bytes, as plain data in the order in which a shard gives it back."""
+        record = {
             "schema": SCHEMA,
             "design": dict(self.design.tables),
             "rows_per_block": ROWS,
@@ -51,6 +52,7 @@ class Plan:
             "certificate": self.gate.id,
             "versions": versions(),
         }
+        return json.loads(json.dumps(record, sort_keys=True))
 
     @cached_property
     def digest(self) -> str:
@@ -64,7 +66,7 @@ class Plan:
 
     @property
     def still_moments(self) -> Floats:
-        """Rows (n, 3) of the first moment where moments do not vary, in its frame; zero where there is none."""
+        """Rows (n, 3) of the first moment where none varies, in its frame; zero where there is none."""
         moments, scene = self.design.scene.moments, self.design.scene
         own = scene.load_axes(moments[0]).T @ moments[0].value if moments else np.zeros(3)
         return np.tile(own, (self.design.count, 1))

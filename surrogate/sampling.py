@@ -74,6 +74,6 @@ def _unit(design: Design, number: int, size: int) -> Floats:
     from scipy.stats import qmc
 
     name = "rng" if "rng" in inspect.signature(qmc.Sobol).parameters else "seed"  # before SciPy 1.15
-    engine = qmc.Sobol(dimension, scramble=True, **{name: generator})
+    engine = qmc.Sobol(dimension, scramble=True, **{name: generator})  # pyright: ignore[reportArgumentType]
     # Drawn to the next power of two: that is the count for which the points are balanced; others warn.
     return engine.random_base2(max(0, math.ceil(math.log2(max(size, 1)))))[:size]

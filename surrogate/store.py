@@ -44,7 +44,7 @@ class Store:
             return
         with writing(self.folder):
             self.blocks.mkdir(parents=True, exist_ok=True)
-            npz.write_bytes(path, json.dumps(self.plan.record, indent=1, sort_keys=True).encode())
+            npz.write_bytes(path, json.dumps(self.plan.record, indent=1).encode())
 
     def path(self, number: int) -> Path:
         """File of a block."""
@@ -94,7 +94,7 @@ class Store:
         return wanted, damaged
 
     def take_in(self, other: Path) -> int:
-        """Copy the blocks of a shard in another folder; returns how many. Raises `InputError` for a bad one."""
+        """Copy the blocks of a shard in another folder and count them; raises `InputError` for a bad one."""
         compare(other / FOLDER / PLAN, read_plan(other), self.plan)
         source = Store(other, self.plan)
         taken = 0

@@ -1,16 +1,18 @@
 """The sweep: blocks of a plan go to an executor, come back in any order, and are put together in theirs.
 
-Finished blocks lie in ``blocks/`` in the folder of the data set, so that a sweep that was cut off goes on where
-it stopped, and shards from elsewhere can be merged. data.npz and card.json come last, then the blocks go.
+Finished blocks lie in ``blocks/`` in the folder of the data set, so that a sweep that was cut off goes on
+where it stopped, and shards from elsewhere can be merged. data.npz and card.json come last, then blocks go.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from itertools import islice
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
@@ -19,11 +21,13 @@ from surrogate import npz
 from surrogate.blocks import RESULTS, Block, Solved, solve
 from surrogate.card import card
 from surrogate.dataset import CARD, DATA, STAMP, DataSet, load, read_card
-from surrogate.design import Design
+from surrogate.design import Design, design_from_dict
 from surrogate.gate import UNVALIDATED, ask, refuse_outside
 from surrogate.plan import Plan
-from surrogate.store import Store, compare, refuse_shard, writing
+from surrogate.store import Store, compare, read_plan, refuse_shard, writing
 
+LOST = (BrokenExecutor, CancelledError, ConnectionError)  # a worker was killed, a scheduler went away
+SILENCE = 10.0  # seconds without an answer after which an executor is asked whether workers are left
 IN_FLIGHT = 32  # blocks with the workers at once: enough to keep them busy, few enough to stop soon
 
 Progress = Callable[[int, int], None]
@@ -41,7 +45,7 @@ def make(
 
     Parameters
     ----------
-    executor : any of concurrent.futures, Dask's included; None solves in this process. The bytes are the same.
+    executor : any of concurrent.futures, or of Dask; None solves in this process. The bytes are the same.
     progress : called with the numbers of blocks done and of all
 
     Raises
@@ -80,6 +84,26 @@ def sweep(
         done += 1
         if progress is not None:
             progress(done, len(numbers))
+
+
+def merge(parts: Sequence[Path], folder: Path, allow_unvalidated: bool = False) -> DataSet:
+    """Put the shards in several folders together; they stay as they are.
+
+    Raises
+    ------
+    OtherPlan : a shard is of another design, code or certificate than the first, or than the present ones.
+    InputError : a block is missing or damaged; everything else that could be taken is kept.
+    """
+    record = read_plan(parts[0])
+    design = design_from_dict(record.get("design", {}), str(parts[0]))
+    plan = Plan(design, ask(allow_unvalidated))
+    if not finished(plan, folder, allow_unvalidated):
+        store = Store(folder, plan)
+        store.open()
+        for part in parts:
+            store.take_in(part)
+        assemble(plan, folder, allow_unvalidated)
+    return load(folder)
 
 
 def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
@@ -131,34 +155,50 @@ def shard(text: str, blocks: int) -> range:
 
 
 def _solved(blocks: Iterable[Block], executor: Executor | None) -> Iterator[Solved]:
-    """Answers in the order in which they come."""
+    """Answers in the order in which they come; what is still waiting at an error is left to the executor."""
     if executor is None:
         yield from map(solve, blocks)
         return
     waiting: set[Future[Solved]] = set()
+    blocks = iter(blocks)
     try:
-        for block in blocks:
-            waiting.add(executor.submit(solve, block))
-            if len(waiting) >= IN_FLIGHT:
-                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in done)
-        while waiting:
-            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            yield from (future.result() for future in done)
-    except (BrokenExecutor, CancelledError, ConnectionError) as error:
-        raise InputError(
-            Message(
-                "A worker was lost.", "executor", f"{type(error).__name__}: {error}",
-                "it was killed, ran out of memory, or its machine went away",
-                "run the same command again: finished blocks are kept and nothing is lost",
-            )
-        ) from error  # fmt: skip
-    finally:
-        for future in waiting:
-            future.cancel()
+        while True:
+            waiting |= {executor.submit(solve, block) for block in islice(blocks, IN_FLIGHT - len(waiting))}
+            if not waiting:
+                return
+            done, waiting = wait(waiting, SILENCE, FIRST_COMPLETED)
+            yield from (
+                future.result() for future in sorted(done, key=_failed)
+            )  # answers first: none is lost
+            if not done and (reason := _lost(executor)):
+                _refuse_lost(reason)
+    except Exception as error:
+        if not isinstance(error, LOST) and type(error).__name__ != "KilledWorker":  # of distributed
+            raise
+        _refuse_lost(_lost(executor) or f"{type(error).__name__}: {error}")
 
 
-def _refuse_worker(solved: Solved, plan: Plan) -> None:
+def _failed(future: Future[Solved]) -> bool:
+    return future.cancelled() or future.exception() is not None
+
+
+def _lost(executor: Executor) -> str:
+    """What an executor that can tell says about workers that are gone; empty while one is left."""
+    tell = getattr(executor, "lost", None)
+    return tell() if tell is not None else ""
+
+
+def _refuse_lost(value: str) -> NoReturn:
+    raise InputError(
+        Message(
+            "The workers were lost.", "executor", value,
+            "they were killed, ran out of memory, or their machine went away",
+            "run the same command again: finished blocks are kept and nothing is lost",
+        )
+    )  # fmt: skip
+
+
+def _refuse_worker(solved: Solved, plan: Plan) -> NoReturn:
     raise InputError(
         Message(
             "A worker runs other code than this process.", f"block {solved.number}",

@@ -33,7 +33,18 @@ ALLOWED = {
         "reference",
         "exudyn",  # an optional peer, as felupe
     },
-    "surrogate": {"numpy", "scipy", "torch", "typer", "rich", "matplotlib", "ancf", "validation"},
+    "surrogate": {
+        "numpy",
+        "scipy",
+        "torch",
+        "typer",
+        "rich",
+        "matplotlib",
+        "distributed",  # the extra "cluster"
+        "pyarrow",  # the extra "parquet"
+        "ancf",
+        "validation",
+    },
 }
 # of ancf only these touch the border libraries ("scene.py, cli.py, io.py, view.py may load the border
 # libraries")
