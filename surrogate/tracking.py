@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surrogate.arm import Arm
 from surrogate.evaluate import Spread
+from surrogate.fit import AnyModel
 from surrogate.inverse import exact_inverse, pose_mismatch
 from surrogate.model_file import Loaded
 from surrogate.trajectory import reference_trajectory, trajectory_moments
@@ -55,18 +56,22 @@ class Track:
 
 
 def track(loaded: Loaded) -> Track:
+    """`track_model` of a model from a folder."""
+    return track_model(loaded.model, loaded.arm, loaded.bounds, loaded.record["certificate"])
+
+
+def track_model(model: AnyModel, arm: Arm, bounds: Floats, certificate: str) -> Track:
     """Follow the trajectory as far as the moments of the training box bend the arm.
 
     The arc of constant curvature is the thin arm's; the nearest poses that the arm itself has, by the exact
     inverse, show how much of an error is the arm's thickness.
     """
-    arm = loaded.arm
-    largest = float(np.abs(arm.body_moments(loaded.bounds.T)[:, 1:]).max())
+    largest = float(np.abs(arm.body_moments(bounds.T)[:, 1:]).max())
     wanted = reference_trajectory(arm, largest)
-    moments = loaded.model.predict(wanted)
+    moments = model.predict(wanted)
     found = arm.solve(moments)
     exact = exact_inverse(arm, wanted)
     return Track(
         arm, wanted, moments, found.poses, found.status == "converged", trajectory_moments(arm, largest),
-        exact.moments, exact.poses, loaded.record["certificate"],
+        exact.moments, exact.poses, certificate,
     )  # fmt: skip
