@@ -114,7 +114,7 @@ def designs(problem: Problem, rows: int = TEST_ROWS, seed: int = 11) -> Designs:
     rng = np.random.default_rng([seed, 3])
     scale = np.array([NOISE_POSITION * arm.length] + [NOISE_GRADIENT] * 3)
     noise = Samples(off_grid.poses + scale * rng.normal(size=off_grid.poses.shape), off_grid.moments)
-    wide = box_design(bounds, 2 * rows, seed + 1, OUTSIDE)
+    wide = box_design(bounds, 4 * rows, seed + 1, OUTSIDE)  # half of them are inside
     beyond = ((wide < bounds[:, 0]) | (wide > bounds[:, 1])).any(axis=1)
     return Designs(problem.test, off_grid, trajectory_of(problem), noise, solved(arm, wide[beyond][:rows]))
 

@@ -28,7 +28,7 @@ def new_figure(width: float, height: float) -> Figure:
 def save_figure(figure: Figure, path: Path, certificate: str) -> None:
     """Write a figure; the stamp UNVALIDATED is printed on it. The suffix of the path chooses the format."""
     if certificate == UNVALIDATED:
-        figure.text(0.995, 0.005, UNVALIDATED, ha="right", va="bottom", fontsize=9, color=RED)
+        figure.text(0.5, 0.5, UNVALIDATED, ha="center", va="center", fontsize=40, color=RED, alpha=0.25)
     beside = path.with_name(f".{path.name}.part{path.suffix}")
     figure.savefig(beside, dpi=150)
     os.replace(beside, path)

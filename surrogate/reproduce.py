@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from surrogate.architecture import MAIN_CNN
-from surrogate.crossval import TABLE_RANGE, cross_validate, rescaled
-from surrogate.fit import Fit, fit
+from surrogate.crossval import EPOCHS, TABLE_RANGE, cross_validate, rescaled
+from surrogate.fit import MAIN_EPOCHS, Fit, fit
 from surrogate.networks import PoseNetwork, moment_unit
 from surrogate.problem import Problem
 from surrogate.tracking import track_model
@@ -49,17 +49,19 @@ DECISIONS = (
 )
 
 
-def reproduce(problem: Problem, folder: Path, seed: int = 0) -> dict[str, Any]:
+def reproduce(
+    problem: Problem, folder: Path, seed: int = 0, epochs: int = MAIN_EPOCHS, table_epochs: int = EPOCHS
+) -> dict[str, Any]:
     """Train, follow the trajectory, cross-validate, draw; returns the record of it all."""
     from surrogate import figures_paper as figures
     from surrogate.figures import save_figure
 
-    main = fit(problem, "cnn", [seed])
+    main = fit(problem, "cnn", [seed], epochs)
     (network,) = main.models
     assert isinstance(network, PoseNetwork)
     followed = track_model(network, problem.arm, problem.bounds, problem.certificate)
-    table = cross_validate(rescaled(problem))
-    own = cross_validate(problem)
+    table = cross_validate(rescaled(problem), epochs=table_epochs)
+    own = cross_validate(problem, epochs=table_epochs)
     for name, figure in {
         "fig4": figures.workspace(problem),
         "fig5": figures.pose_image(problem),
