@@ -33,6 +33,7 @@ DESCRIPTIONS = {
     "train": "Train an inverse model on a data set: tip pose to tip moment.",
     "crossval": "Regenerate the paper's five-fold table.",
     "track": "Follow the paper's reference trajectory with a model, through the solver.",
+    "compare": "Compare all inverse models, honestly, over several seeds.",
     "reproduce": "Regenerate figures 4 to 11 and table 1 of the paper.",
     "invert": "Find the tip moments for wanted tip poses.",
 }

@@ -155,6 +155,15 @@ def slab(bounds: Floats, axis: int = 1) -> Callable[[Floats], NDArray[np.bool_]]
     return lambda moments: (moments[:, axis] >= begin) & (moments[:, axis] < end)
 
 
+def slab_score(problem: Problem, kind: str, seed: int = 0, epochs: int | None = None) -> Scores:
+    """Errors inside a slab of the box by a model that was trained without the slab."""
+    from surrogate.fit import fit
+
+    rest, cut = problem.without(slab(problem.bounds), seed)
+    (model,) = fit(rest, kind, [seed], epochs).models
+    return score(model.predict, problem.arm, cut, rest.train.moments.std(axis=0))
+
+
 def latency(model: Model, poses: Floats, calls: int = LATENCY_CALLS) -> tuple[float, float]:
     """p50 and p99 [s] of single poses (3, 4), one call each."""
     times = np.empty(calls)
