@@ -28,9 +28,9 @@ def compare(problem: Problem, seeds: Sequence[int] = SEEDS, epochs: int | None =
 
     Returns
     -------
-    Plain data: models[] = {kind, parameters, seconds, latency, sets {name: {tip, ...}}, coverage, solves, leak},
-    each number of a set with its mean and deviation over the seeds; `start` = equilibria solved by the exact
-    inverse from the closed form and from the straight arm; `auroc` of reachability.
+    Plain data: models[] = {kind, seeds, training_cpu_seconds, latency, sets {name: {tip_percent, ...}},
+    coverage, solves, leak}, each number of a set with its mean and deviation over the seeds; `start` =
+    equilibria solved by the exact inverse from the straight arm; `auroc` of reachability.
 
     Notes
     -----
@@ -189,7 +189,7 @@ def report(record: Mapping[str, Any]) -> str:
         "",
         f"Levenberg-Marquardt on the equilibria needs {thin:.2f} solves from the closed form of the thin arm,"
         f" {straight:.2f} from the straight arm; from the best model here {best:.2f}. A model thus saves"
-        f" {thin - best:.2f} solves of some 2 ms each (with their sensitivities) against the closed form, and"
+        f" {thin - best:.2f} solves of some 2 ms each (with their sensitivities) against the closed form,"
         f" {straight - best:.2f} against no guess at all; it cost {record['training_rows']} solves and its"
         " training. It is worth having where its own answer, unrefined, is accurate enough and microseconds"
         " count; it is not where the pose may be disturbed, out of reach or outside its box, where loads other"

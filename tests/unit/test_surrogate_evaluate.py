@@ -10,6 +10,7 @@ import pytest
 from reference.constant_curvature import constant_curvature_moment, constant_curvature_pose, printed_eq47
 from surrogate.arm import at_other_base, paper_arm
 from surrogate.baselines import ClosedForm, Polynomial
+from surrogate.compare import auroc
 from surrogate.conformal import calibrated, conformal_radius, coverage
 from surrogate.evaluate import Spread, designs, latency, leak_guard, score, slab, trajectory_of
 from surrogate.inverse import exact_inverse
@@ -147,9 +148,12 @@ def test_reachable_poses_are_told_from_others(problem):
     found = exact_inverse(ARM, np.concatenate([good, pushed, turned, beyond]), bounds=BOX)
     scores = found.score() + 1e6 * ~found.within_bounds
     assert found.reachable[:40].all() and found.reachable[40:].mean() < 0.05
-    # Mann-Whitney: the share of pairs that are in order.
-    pairs = scores[:40, None] < scores[None, 40:]
-    assert pairs.mean() >= 0.99
+    assert auroc(scores, np.arange(len(scores)) >= 40) >= 0.99
+
+
+def test_the_area_under_the_curve_counts_pairs():
+    """Of (1, 3), (1, 2), (2, 3), (2, 2): three in order and a tie."""
+    assert auroc(np.array([1.0, 2.0, 3.0, 2.0]), np.array([False, False, True, True])) == 3.5 / 4
 
 
 def test_latency_is_measured_call_by_call(problem):

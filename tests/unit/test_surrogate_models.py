@@ -233,3 +233,17 @@ def test_the_paper_is_regenerated_with_every_figure(data, tmp_path):
     assert record["printed_eq47"]["printed"] == pytest.approx(1.3, abs=0.05)  # paper-map.md
     text = report(record)
     assert "| 5: C32,2, C16,2, F8, F3 | 2515 | 2515 |" in text and "UNVALIDATED" in text
+
+
+def test_models_are_compared(data, tmp_path, capsys):
+    pytest.importorskip("torch")
+    arguments = ["compare", str(data), "--seeds", "2", "--epochs", "2", "--allow-unvalidated"]
+    assert main([*arguments, "--out", str(tmp_path)]) == 0
+    assert "Is a surrogate worth having?" in capsys.readouterr().out
+    record = json.loads((tmp_path / "compare.json").read_text())
+    assert [m["kind"] for m in record["models"]] == ["closed form", "rbf", "polynomial", "cnn", "equivariant"]
+    for model in record["models"]:
+        assert set(model["sets"]) == {"split", "off_grid", "trajectory", "noise", "outside", "slab"}
+        assert model["solves"]["reached"] == 1.0 and model["sets"]["off_grid"]["unsolved"] == 0
+    assert record["auroc"] >= 0.99  # issue
+    assert (tmp_path / "compare.md").read_text().count("| equivariant") == 2
