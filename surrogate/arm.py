@@ -1,4 +1,4 @@
-"""The arm of the inverse problem: one straight round rod, clamped, under a moment at its tip.
+"""The arm of the inverse problem: one straight rod, clamped, under a moment at its tip.
 
 Symbols
 -------
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import ancf
 from ancf.errors import InputError, Message
+from ancf.rotation import exp
 from ancf.scene import Frame, Moment, Rod, Scene
 
 Floats = NDArray[np.float64]
@@ -25,38 +26,43 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """A scene whose inverse has a closed form in the thin limit; make it by `Arm.of`."""
+    """A scene whose tip moment is sought; make it by `Arm.of`."""
 
     scene: Scene
 
     @classmethod
     def of(cls, scene: Scene) -> Arm:
-        """The arm of a scene.
+        """The arm of a scene; other loads may act on it.
 
         Raises
         ------
-        InputError : the scene is more than one straight prismatic round rod, clamped at its base, under one
-            moment at its tip that is fixed in space.
+        InputError : the scene is not one straight prismatic rod, clamped at its base, whose first moment acts
+            at its tip.
         """
         if len(scene.rods) != 1:
             _refuse(f"{len(scene.rods)} rods", "one rod")
         (rod,) = scene.rods
         if rod.segments or np.any(rod.curvature):
             _refuse("a rod of segments, or a curved one", "a straight prismatic rod")
-        if not hasattr(rod.section, "radius") or hasattr(rod.section, "inner_radius"):
-            _refuse(f"section {rod.section}", "a full circle")
         if len(rod.supports) != 1 or rod.supports[0].at != 0.0 or rod.supports[0].kind == "pin":
             _refuse(f"supports {rod.supports}", "one clamp at 0")
-        others = sorted(
-            name
-            for name, value in vars(scene).items()
-            if name not in ("rods", "moments", "title", "solver", "stability") and value
-        )
-        if others:
-            _refuse(f"tables {', '.join(others)}", "no effect but the moment")
-        if len(scene.moments) != 1 or scene.moments[0].at != 1.0 or scene.moments[0].direction != "fixed":
-            _refuse(f"moments {scene.moments}", "one moment, at = 1, fixed in space")
+        if not scene.moments or scene.moments[0].at != 1.0:
+            _refuse(f"moments {scene.moments}", "a first moment at = 1")
         return cls(scene)
+
+    @cached_property
+    def without_closed_form(self) -> str:
+        """Why the thin arm under its tip moment is not the limit of this one; empty if it is.
+
+        The closed form is then a guess only, and the arm has not the symmetry of equivariant.py.
+        """
+        section, kept = self.rod.section, ("rods", "moments", "title", "solver", "stability")
+        if not hasattr(section, "radius") or hasattr(section, "inner_radius"):
+            return "its section is not a full circle"
+        others = sorted(name for name, value in vars(self.scene).items() if name not in kept and value)
+        if others:
+            return f"other effects act on it ({', '.join(others)})"
+        return "several moments act on it" if len(self.scene.moments) > 1 else ""
 
     @property
     def rod(self) -> Rod:
@@ -85,7 +91,7 @@ class Arm:
 
     @cached_property
     def to_body(self) -> Floats:
-        """Rotation (3, 3) from the frame of the moment to body axes."""
+        """Rotation (3, 3) from the frame of the moment to body axes, at the reference."""
         return self.rod.base.rotation.T @ self.scene.load_axes(self.moment)
 
     def body_poses(self, poses: Floats) -> Floats:
@@ -97,12 +103,23 @@ class Arm:
         return poses
 
     def body_moments(self, moments: Floats) -> Floats:
-        """Dimensionless moments v = M L/(E I) (..., 3) in body axes of moments [N m] in their frame."""
-        return np.asarray(moments) @ self.to_body.T / self.unit
+        """Dimensionless moments v = M L/(E I) (..., 3) in body axes and space, of moments [N m] as given."""
+        v = np.asarray(moments) @ self.to_body.T / self.unit
+        return self._turned(v, 1.0)
 
     def moments(self, v: Floats) -> Floats:
-        """Moments (..., 3) [N m] in their frame of dimensionless ones in body axes."""
-        return np.asarray(v) @ self.to_body * self.unit
+        """Moments (..., 3) [N m] as the scene gives them, of dimensionless ones in body axes and space."""
+        return self._turned(np.asarray(v), -1.0) @ self.to_body * self.unit
+
+    def _turned(self, v: Floats, sense: float) -> Floats:
+        """From the value of a follower at the reference to space: M = Exp(nu tau e) M_ref (reference: helix)."""
+        if self.moment.direction == "fixed":
+            return v
+        return (exp(sense * self.twist_ratio * v[..., :1] * np.eye(3)[0]) @ v[..., None])[..., 0]
+
+    def largest_bending(self, bounds: Floats) -> float:
+        """Largest dimensionless bending moment about one axis in the box (3, 2) [N m]."""
+        return float(np.abs(bounds.T @ self.to_body.T)[:, 1:].max() / self.unit)
 
     def solve(self, moments: Floats) -> ancf.BatchSolution:
         """Equilibria under moments (B, 3) [N m] in their frame."""
@@ -152,7 +169,7 @@ def _refuse(value: str, limit: str) -> NoReturn:
             "The inverse is not known for this scene.",
             "scene",
             f"{value}; must be {limit}",
-            "the closed form serves a straight round clamped arm under a tip moment",
+            "the search starts from a straight clamped arm under a tip moment",
             "take such a scene, or search with Solution.sensitivity",
         )
     )

@@ -218,7 +218,8 @@ def compare(
     """Compare closed form, polynomial, radial basis functions, the paper's CNN and the equivariant network.
 
     On test rows, an independent design, a slab left out, the reference trajectory, disturbed poses and
-    moments beyond the box; error radius, reachability, and solves that each saves. Writes compare.json, compare.md.
+    moments beyond the box; error radius, reachability, and solves that each saves. Writes compare.json and
+    compare.md.
 
     Exit code 0: done. 2: the input is wrong. 4: the certificate of the data is not the valid one.
     """

@@ -123,7 +123,7 @@ def trajectory_of(problem: Problem) -> Samples:
     """The reference trajectory, as far as the moments of the box bend the arm."""
     from surrogate.trajectory import trajectory_moments
 
-    largest = float(np.abs(problem.arm.body_moments(problem.bounds.T)[:, 1:]).max())
+    largest = problem.arm.largest_bending(problem.bounds)
     return Samples(reference_trajectory(problem.arm, largest), trajectory_moments(problem.arm, largest))
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.errors import InputError, Message
 from surrogate.architecture import MAIN_CNN
 from surrogate.baselines import ClosedForm, Polynomial, RadialBasis
 from surrogate.equivariant import EPOCHS, EquivariantNetwork, fit_equivariant
@@ -41,7 +42,21 @@ def fit(problem: Problem, kind: str, seeds: Sequence[int] = (0,), epochs: int | 
     ----------
     kind : one of `KINDS` or `BASELINES`
     epochs : None: 500 of the CNN, those of equivariant.py
+
+    Raises
+    ------
+    InputError : the kind needs the closed form, which the arm has not.
     """
+    if kind in ("closed form", "equivariant") and problem.arm.without_closed_form:
+        raise InputError(
+            Message(
+                f"The model {kind!r} does not fit this arm.",
+                f"data set {problem.name!r}",
+                problem.arm.without_closed_form,
+                "it is built on the thin round arm under a tip moment",
+                "take --model polynomial or cnn",
+            )
+        )
     started = time.process_time()
     training_loss = validation_loss = None
     if kind == "cnn":

@@ -69,7 +69,7 @@ def problem_of(data: DataSet) -> Problem:
 
     Raises
     ------
-    InputError : the scene is not a straight round arm under one tip moment, or a part of the split is empty.
+    InputError : the scene is not a straight arm under a tip moment, or a part of the split is empty.
     """
     tables = {key: value for key, value in data.card["plan"]["design"].items() if key != "design"}
     arm = Arm.of(scene_from_dict(tables))

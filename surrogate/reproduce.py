@@ -17,6 +17,7 @@ from surrogate.tracking import track_model
 from surrogate.trajectory import arc_rotation
 
 SHOWN = 100  # test samples of fig. 8
+TABLE_SEEDS = (0, 1, 2)
 
 # What the paper prints, what is done here, and why.
 DECISIONS = (
@@ -40,6 +41,11 @@ DECISIONS = (
         "units of which the largest moment has 20",
     ),
     ("batch of the five-fold table", "not printed", "64, as for the main CNN"),
+    (
+        "order of table 1",
+        "5 < 1 < 4 < 3 < 2, one run",
+        "5 < 4 < 1 < 2 < 3; model 3 scatters by 40 % over folds and seeds, 1 and 4 cross as the range grows",
+    ),
     ("eq. 47, entry (2,2)", "cos^2 phi: no rotation", "sin^2 phi"),
     (
         "fig. 10, mismatch of CCM and ANCF",
@@ -60,7 +66,7 @@ def reproduce(
     (network,) = main.models
     assert isinstance(network, PoseNetwork)
     followed = track_model(network, problem.arm, problem.bounds, problem.certificate)
-    table = cross_validate(rescaled(problem), epochs=table_epochs)
+    table = cross_validate(rescaled(problem), seeds=TABLE_SEEDS, epochs=table_epochs)
     own = cross_validate(problem, epochs=table_epochs)
     for name, figure in {
         "fig4": figures.workspace(problem),
@@ -145,7 +151,7 @@ def report(record: Mapping[str, Any]) -> str:
         lines += [
             f"## {title}",
             f"{table['trainings']} trainings as one stack, {table['cpu_seconds']:.1f} s of one core; mean and"
-            " deviation over the folds.",
+            " deviation over folds and seeds.",
             "",
             "| model | size | published size | MSE, units^2 | published | ratio | N^2 m^2 | z-units | R^2 |",
             "|---|---|---|---|---|---|---|---|---|",

@@ -66,7 +66,7 @@ def track_model(model: AnyModel, arm: Arm, bounds: Floats, certificate: str) -> 
     The arc of constant curvature is the thin arm's; the nearest poses that the arm itself has, by the exact
     inverse, show how much of an error is the arm's thickness.
     """
-    largest = float(np.abs(arm.body_moments(bounds.T)[:, 1:]).max())
+    largest = arm.largest_bending(bounds)
     wanted = reference_trajectory(arm, largest)
     moments = model.predict(wanted)
     found = arm.solve(moments)
