@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from surrogate import npz
 from surrogate.gate import UNVALIDATED
 from surrogate.plan import SCHEMA, Plan
-from surrogate.sampling import SPLIT_NAMES
+from surrogate.sampling import SPLIT_NAMES, seeds
 
 MOST_REASONS = 20
 
@@ -51,6 +51,7 @@ def card(plan: Plan, arrays: Mapping[str, NDArray], outside: Sequence[str]) -> d
         "arm": arm(plan),
         "sampling": {"kind": design.sampling, "count": design.count, "split": design.split},
         "seed": design.seed,
+        "seeds": seeds(design),
         "versions": plan.record["versions"],
         "arrays": {
             name: {"shape": list(array.shape), "dtype": array.dtype.str, "sha256": npz.sha256(array)}
@@ -74,9 +75,7 @@ def frames(plan: Plan) -> dict[str, Any]:
 
 def moment_range(plan: Plan) -> list[list[float]]:
     """Bounds [N m] of the three components of the first moment, in its frame."""
-    moments = plan.design.scene.moments
-    own = plan.design.scene.load_axes(moments[0]).T @ moments[0].value if moments else np.zeros(3)
-    bounds = np.stack([own, own], axis=1)
+    bounds = np.repeat(plan.design.first_moments(plan.sample.points[:1]).T, 2, axis=1)
     for variable in plan.design.variables:
         if (variable.load, variable.index) == ("moment", 0):
             bounds["xyz".index(variable.component)] = variable.low, variable.high

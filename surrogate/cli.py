@@ -72,6 +72,11 @@ def dataset(
     except NotValidated as error:
         sys.stderr.write(f"{error.message}\n")
         raise typer.Exit(NOT_VALIDATED) from None
+    except KeyboardInterrupt:
+        sys.stderr.write(
+            f"Interrupted. What is finished is kept in {out}; the same command goes on from there.\n"
+        )
+        raise
     if parquet and shard is None:
         _write_parquet(out)
     if json:

@@ -26,6 +26,7 @@ from surrogate.sampling import SPLIT_NAMES
 Floats = NDArray[np.float64]
 
 DATA, CARD = "data.npz", "card.json"
+KINDS = {"arrays": dict, "certificate": str, "plan": dict, "reasons": list}  # what `load` needs of a card
 STAMP = "certificate"  # name of the array that carries the stamp
 
 
@@ -95,6 +96,8 @@ def load(path: str | PathLike[str]) -> DataSet:
     ]
     if not wrong and str(arrays[STAMP]) != card["certificate"]:
         wrong = [f"the data are stamped {arrays[STAMP]}, the card {card['certificate']}"]
+    if not wrong and card["certificate"] not in (UNVALIDATED, card["plan"].get("certificate")):
+        wrong = [f"the card is stamped {card['certificate']}, its plan {card['plan'].get('certificate')}"]
     if wrong:
         refuse(folder / DATA, "Data and card do not belong together.", "; ".join(wrong))
     found = DataSet(**{name: arrays[name] for name in ARRAYS}, card=card)
@@ -114,9 +117,9 @@ def read_card(folder: Path) -> dict[str, Any]:
     if not isinstance(card, dict) or card.get("schema") != SCHEMA:
         schema = card.get("schema") if isinstance(card, dict) else None
         refuse(path, "The data are of another schema.", f"schema {schema}, this version knows {SCHEMA}")
-    missing = [key for key in ("arrays", "certificate", "plan") if key not in card]
-    if missing:
-        refuse(path, "The data card is not complete.", f"{', '.join(missing)} missing")
+    wrong = [key for key, kind in KINDS.items() if not isinstance(card.get(key), kind)]
+    if wrong:
+        refuse(path, "The data card is not complete.", f"{', '.join(wrong)} missing or of another kind")
     return card
 
 
@@ -148,6 +151,6 @@ def refuse(path: Path, what: str, value: str) -> NoReturn:
             str(path),
             value,
             "an interrupted copy, an edit by hand, or another version of the program",
-            "copy it again, or make it again with `ancf dataset`",
+            "copy it again, or remove it and make it again with `ancf dataset`",
         )
     )

@@ -74,9 +74,23 @@ class Design:
         return self.scene.title or "untitled"
 
     @cached_property
-    def largest(self) -> Floats:
+    def bounds(self) -> Floats:
         """Bounds (k, 2) of the variables."""
         return np.array([[variable.low, variable.high] for variable in self.variables])
+
+    def still(self, kind: str) -> Floats:
+        """Values (loads, 3) of the scene's moments or forces, each in its own frame."""
+        loads = self.scene.moments if kind == "moment" else self.scene.forces
+        # A scene holds them in SCS.
+        return np.array([self.scene.load_axes(load).T @ load.value for load in loads]).reshape(-1, 3)
+
+    def first_moments(self, points: Floats) -> Floats:
+        """Values (n, 3) [N m] of the first moment in its frame; zero where the scene has none."""
+        loads = self.values(points)
+        if "moments" in loads:
+            return loads["moments"][:, 0]
+        own = self.still("moment")
+        return np.tile(own[0] if len(own) else np.zeros(3), (len(points), 1))
 
     def values(self, points: Floats) -> dict[str, Floats]:
         """Loads of all rows as `ancf.solve_batch` takes them, from the values (n, k) of the variables.
@@ -86,16 +100,13 @@ class Design:
         ``moments`` and ``forces`` (n, loads, 3) in their frames, ``tensions`` (n, tendons); only kinds of
         which something varies.
         """
-        found = {}
-        for kind, keyword, loads in (
-            ("moment", "moments", self.scene.moments),
-            ("force", "forces", self.scene.forces),
-        ):
-            if any(variable.load == kind for variable in self.variables):
-                # A scene holds its loads in SCS; rows are given in the frame of the load.
-                own = np.array([self.scene.load_axes(load).T @ load.value for load in loads])
-                found[keyword] = np.tile(own, (len(points), 1, 1))
-        if any(variable.load == "tendon" for variable in self.variables):
+        varied = {variable.load for variable in self.variables}
+        found = {
+            f"{kind}s": np.tile(self.still(kind), (len(points), 1, 1))
+            for kind in ("moment", "force")
+            if kind in varied
+        }
+        if "tendon" in varied:
             found["tensions"] = np.tile([t.tension for t in self.scene.tendons], (len(points), 1))
         for variable, column in zip(self.variables, points.T, strict=True):
             if variable.load == "tendon":
@@ -165,6 +176,11 @@ def design_from_dict(tables: Mapping[str, Any], where: str = "design") -> Design
     _check_twice(table, variables)
     if sampling == "grid":
         count = int(np.prod([float(variable.steps) for variable in variables]))
+        if count > MOST_ROWS:
+            table.refuse(
+                "vary", "The grid is too large.", f"{count:g} rows, at most {MOST_ROWS:g}",
+                "a grid has the product of its steps", 'fewer steps, or sampling = "sobol"',
+            )  # fmt: skip
         if "count" in table.data and table.data["count"] != count:
             table.refuse(
                 "count", "The number of rows does not belong to this grid.",

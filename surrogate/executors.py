@@ -72,7 +72,7 @@ class Cluster(Executor):
     def lost(self) -> str:
         """Why nothing can come back any more; empty while a worker is left."""
         try:
-            workers = len(self.client.scheduler_info(n_workers=-1)["workers"])
+            workers = len(self.client.nthreads())
         except (OSError, TimeoutError) as error:
             return f"the scheduler at {self.address} is gone: {type(error).__name__}"
         if self.client.status != "running":

@@ -94,6 +94,27 @@ def refuse_outside(where: str, reasons: Iterable[str]) -> None:
         )
 
 
+def admit(stamp: str, where: str, allow_unvalidated: bool = False) -> str:
+    """The stamp under which data or a model may be used now: the same, or UNVALIDATED where that is allowed.
+
+    Raises `NotValidated` for what is UNVALIDATED, or was made under another certificate than the present one.
+    """
+    present = ask(allow_unvalidated).id
+    if stamp == present:
+        return stamp
+    if not allow_unvalidated:
+        raise NotValidated(
+            Message(
+                "The present certificate does not vouch for these data.",
+                where,
+                f"stamped {stamp}, the certificate of this code is {present}",
+                "they were made without a certificate, or by another version of the solver",
+                "make them again with `ancf dataset`, or go on UNVALIDATED with --allow-unvalidated",
+            )
+        )
+    return UNVALIDATED
+
+
 @cache
 def solver_digest() -> str:
     """SHA-256 of every file of ancf/, as this process imports it."""

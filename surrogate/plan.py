@@ -10,17 +10,12 @@ from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 import ancf
 from surrogate.blocks import ROWS, Block
 from surrogate.design import Design
 from surrogate.gate import Gate, solver_digest
 from surrogate.sampling import Sample, sample
 from validation.certificate import digests
-
-Floats = NDArray[np.float64]
 
 SCHEMA = 1
 PACKAGES = ("numpy", "scipy", "numba")
@@ -63,13 +58,6 @@ class Plan:
     def sample(self) -> Sample:
         """All rows."""
         return sample(self.design)
-
-    @property
-    def still_moments(self) -> Floats:
-        """Rows (n, 3) of the first moment where none varies, in its frame; zero where there is none."""
-        moments, scene = self.design.scene.moments, self.design.scene
-        own = scene.load_axes(moments[0]).T @ moments[0].value if moments else np.zeros(3)
-        return np.tile(own, (self.design.count, 1))
 
     @property
     def blocks(self) -> int:

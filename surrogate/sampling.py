@@ -39,7 +39,7 @@ def sample(design: Design) -> Sample:
     Under the split "design" training, validation and test rows come one after the other, each from a
     sequence of its own; under "random" they are drawn from all rows, as in the paper.
     """
-    bounds = design.largest
+    bounds = design.bounds
     sizes = split_sizes(design.count)
     if design.sampling == "grid":
         levels = [np.linspace(v.low, v.high, v.steps) for v in design.variables]
@@ -47,16 +47,28 @@ def sample(design: Design) -> Sample:
         group = np.arange(design.count) // (design.count // design.variables[0].steps)
     else:
         parts = sizes if design.split == "design" else (design.count,)
-        units = [_unit(design, number, size) for number, size in enumerate(parts)]
+        units = [
+            _unit(design, seed, size) for seed, size in zip(seeds(design)["sequences"], parts, strict=True)
+        ]
         points = bounds[:, 0] + np.concatenate(units) * (bounds[:, 1] - bounds[:, 0])
         group = np.repeat(np.arange(len(parts)), parts)
     names = np.repeat(np.array(SPLIT_NAMES), sizes)
     if design.split == "random":
-        order = np.random.default_rng([design.seed, len(SPLIT_NAMES)]).permutation(design.count)
+        (seed,) = seeds(design)["split"]
+        order = np.random.default_rng(seed).permutation(design.count)
         shuffled = np.empty_like(names)
         shuffled[order] = names
         names = shuffled
     return Sample(points, names, group.astype(np.int64))
+
+
+def seeds(design: Design) -> dict[str, list[list[int]]]:
+    """Entropies of the generators (numpy.random.default_rng): of each sequence of rows, and of the split."""
+    sequences = 0 if design.sampling == "grid" else len(SPLIT_NAMES) if design.split == "design" else 1
+    return {
+        "sequences": [[design.seed, number] for number in range(sequences)],
+        "split": [[design.seed, len(SPLIT_NAMES)]] if design.split == "random" else [],
+    }
 
 
 def split_sizes(count: int) -> tuple[int, int, int]:
@@ -65,9 +77,9 @@ def split_sizes(count: int) -> tuple[int, int, int]:
     return count - validation - test, validation, test
 
 
-def _unit(design: Design, number: int, size: int) -> Floats:
-    """Points (size, k) in the unit cube, sequence `number` of a design."""
-    generator = np.random.default_rng([design.seed, number])
+def _unit(design: Design, seed: list[int], size: int) -> Floats:
+    """Points (size, k) in the unit cube, one sequence of a design."""
+    generator = np.random.default_rng(seed)
     dimension = len(design.variables)
     if design.sampling == "random":
         return generator.random((size, dimension))

@@ -15,7 +15,7 @@ import numpy as np
 from ancf.errors import InputError, Message
 from surrogate import npz
 from surrogate.blocks import RESULTS, Solved
-from surrogate.plan import Plan, differences
+from surrogate.plan import SCHEMA, Plan, differences
 
 FOLDER, PLAN = "blocks", "plan.json"
 
@@ -36,15 +36,24 @@ class Store:
         """Where the blocks lie."""
         return self.folder / FOLDER
 
-    def open(self) -> None:
-        """Make the folder, or make sure that it is of this plan; raises `OtherPlan`, `InputError`."""
+    @property
+    def begun(self) -> bool:
+        """Whether there are blocks, of whatever plan."""
+        return (self.blocks / PLAN).exists()
+
+    def open(self) -> bool:
+        """Make the folder, or make sure that it is of this plan; whether it is new.
+
+        Raises `OtherPlan`, and `InputError` where it cannot be written.
+        """
         path = self.blocks / PLAN
-        if path.exists():
+        if self.begun:
             compare(path, read_plan(self.folder), self.plan)
-            return
+            return False
         with writing(self.folder):
             self.blocks.mkdir(parents=True, exist_ok=True)
             npz.write_bytes(path, json.dumps(self.plan.record, indent=1).encode())
+        return True
 
     def path(self, number: int) -> Path:
         """File of a block."""
@@ -98,8 +107,8 @@ class Store:
         compare(other / FOLDER / PLAN, read_plan(other), self.plan)
         source = Store(other, self.plan)
         taken = 0
-        for number in range(self.plan.blocks):
-            if not source.path(number).exists() or self.path(number).exists():
+        for number in self.unfinished(range(self.plan.blocks))[0]:
+            if not source.path(number).exists():
                 continue
             try:
                 source.read(number)
@@ -111,7 +120,7 @@ class Store:
         return taken
 
     def clear(self) -> None:
-        """Remove the blocks: the data set is whole."""
+        """Remove the blocks: the data set is whole, or may not be made."""
         shutil.rmtree(self.blocks, ignore_errors=True)
 
 
@@ -124,8 +133,9 @@ def read_plan(folder: Path) -> dict[str, Any]:
         refuse_shard(path, error.strerror or str(error))
     except ValueError as error:
         refuse_shard(path, f"it is not JSON: {error}")
-    if not isinstance(record, dict):
-        refuse_shard(path, "it is not the record of a plan")
+    schema = record.get("schema") if isinstance(record, dict) else None
+    if schema != SCHEMA:
+        refuse_shard(path, f"schema {schema}, this version knows {SCHEMA}")
     return record
 
 
@@ -151,7 +161,7 @@ def refuse_shard(path: Path, value: str) -> NoReturn:
             "A part of the data set cannot be used.",
             str(path),
             value,
-            "a copy that was cut short, or a shard that was not finished",
+            "a copy that was cut short, a shard that was not finished, or another version of the program",
             "copy it again, or run that shard again: it goes on where it stopped",
         )
     )

@@ -20,15 +20,15 @@ from ancf.errors import InputError, Message
 from surrogate import npz
 from surrogate.blocks import RESULTS, Block, Solved, solve
 from surrogate.card import card
-from surrogate.dataset import CARD, DATA, STAMP, DataSet, load, read_card
+from surrogate.dataset import CARD, DATA, STAMP, DataSet, load, read_card, refuse
 from surrogate.design import Design, design_from_dict
 from surrogate.gate import UNVALIDATED, ask, refuse_outside
 from surrogate.plan import Plan
 from surrogate.store import Store, compare, read_plan, refuse_shard, writing
 
-LOST = (BrokenExecutor, CancelledError, ConnectionError)  # a worker was killed, a scheduler went away
+LOST = (BrokenExecutor, CancelledError, OSError)  # a worker was killed, a scheduler went away
 SILENCE = 10.0  # seconds without an answer after which an executor is asked whether workers are left
-IN_FLIGHT = 32  # blocks with the workers at once: enough to keep them busy, few enough to stop soon
+IN_FLIGHT = 256  # blocks with the workers at once: enough for a hundred of them, few enough to stop soon
 
 Progress = Callable[[int, int], None]
 
@@ -68,9 +68,12 @@ def sweep(
     allow_unvalidated: bool = False,
     progress: Progress | None = None,
 ) -> None:
-    """Solve those of some blocks that are not on disk yet, and keep each as soon as it is solved."""
+    """Solve those of some blocks that are not on disk yet, and keep each as soon as it is solved.
+
+    Raises as `make`; what the gate refuses leaves no blocks behind, unless there were some before.
+    """
     store, numbers = Store(folder, plan), list(numbers)
-    store.open()
+    new = store.open()
     wanted, damaged = store.unfinished(numbers)
     for reason in damaged:
         print(f"{reason}; it is solved again", file=sys.stderr)
@@ -78,7 +81,9 @@ def sweep(
     for solved in _solved(map(plan.block, wanted), executor):
         if solved.solver != plan.record["solver"]:
             _refuse_worker(solved, plan)
-        if not allow_unvalidated:
+        if solved.outside and not allow_unvalidated:
+            if new:
+                store.clear()
             refuse_outside(f"design {plan.design.name}", solved.outside)
         store.write(solved)
         done += 1
@@ -118,10 +123,10 @@ def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
     outside = [reason for block in blocks for reason in block.outside]
     if not allow_unvalidated:
         refuse_outside(f"design {plan.design.name}", outside)
-    sample, loads = plan.sample, plan.design.values(plan.sample.points)
+    sample = plan.sample
     arrays = {name: np.concatenate([block.arrays[name] for block in blocks]) for name in RESULTS}
     arrays |= {"loads": sample.points, "split": sample.split, "group": sample.group}
-    arrays["moments"] = loads["moments"][:, 0] if "moments" in loads else plan.still_moments
+    arrays["moments"] = plan.design.first_moments(sample.points)
     content = card(plan, arrays, outside)
     arrays[STAMP] = np.array(content["certificate"])
     with writing(folder):
@@ -133,6 +138,8 @@ def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
 def finished(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> bool:
     """Whether the folder holds the whole data set of this plan; raises `OtherPlan` if it holds another."""
     if not (folder / CARD).exists():
+        if (folder / DATA).exists() and not Store(folder, plan).begun:
+            refuse(folder / DATA, "The folder holds data of unknown origin.", f"there is no {CARD} beside it")
         return False
     stored = read_card(folder)
     compare(folder / CARD, stored["plan"], plan)
@@ -167,9 +174,8 @@ def _solved(blocks: Iterable[Block], executor: Executor | None) -> Iterator[Solv
             if not waiting:
                 return
             done, waiting = wait(waiting, SILENCE, FIRST_COMPLETED)
-            yield from (
-                future.result() for future in sorted(done, key=_failed)
-            )  # answers first: none is lost
+            for future in sorted(done, key=_failed):  # answers first: none is lost
+                yield future.result()
             if not done and (reason := _lost(executor)):
                 _refuse_lost(reason)
     except Exception as error:

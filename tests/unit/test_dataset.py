@@ -58,6 +58,7 @@ def test_paper_is_the_sweep_of_the_paper(paper):
         "poisson_ratio": 0.3, "law": "SaintVenantKirchhoff", "element": "3243", "elements": 12,
         "formulation": "enhanced", "bending_stiffness": pytest.approx(EI),
     }  # fmt: skip
+    assert paper.card["seeds"] == {"sequences": [], "split": [[0, 3]]}
     assert paper.card["moment_range"] == [[-0.02, 0.02]] * 3
     assert paper.card["frames"]["base"]["rotation"] == [[0, 0, -1], [0, 1, 0], [1, 0, 0]]  # eq. 3
     assert set(paper.status) == {"converged"}
@@ -188,7 +189,7 @@ def test_every_kind_of_load_varies():
 def test_moments_that_do_not_vary_are_the_ones_of_the_scene(tmp_path):
     data = {
         **tables(),
-        "moment": [{"value": [1e-3, 0, 2e-3], "frame": "body"}],
+        "moment": [{"value": [1e-3, 0, 2e-3], "frame": "body"}, {"value": [0, 1e-3, 0], "at": 0.5}],
         "force": [{"value": [0, 0, 0]}],
     }
     data["design"] = {"count": 3, "vary": [{"load": "force", "component": "y", "range": [0, 1e-3]}]}
@@ -196,6 +197,11 @@ def test_moments_that_do_not_vary_are_the_ones_of_the_scene(tmp_path):
     assert np.allclose(found.moments, [[1e-3, 0, 2e-3]] * 3, atol=1e-18)
     assert found.loads.shape == (3, 1)
     assert found.card["moment_range"] == [pytest.approx([m, m]) for m in (1e-3, 0, 2e-3)]
+    design = {"count": 3, "vary": [{"load": "moment", "index": 1, "range": [0, 1e-3]}]}
+    second = {**data, "design": design}
+    found = make(design_from_dict(second), tmp_path / "second", allow_unvalidated=True)
+    assert np.allclose(found.moments, [[1e-3, 0, 2e-3]] * 3, atol=1e-18)
+    assert found.loads.min() > 0.0
     del data["moment"]
     found = make(design_from_dict(data), tmp_path / "none", allow_unvalidated=True)
     assert np.array_equal(found.moments, np.zeros((3, 3)))
@@ -231,6 +237,7 @@ def test_a_data_set_is_read_back(made):
         "moments": (20, 3), "loads": (20, 3), "pose": (20, 3, 4), "stretch": (20, 3), "status": (20,),
         "iterations": (20,), "residual": (20,), "load_factor": (20,), "split": (20,), "group": (20,),
     }  # fmt: skip
+    assert found.card["seeds"] == {"sequences": [[7, 0], [7, 1], [7, 2]], "split": []}
     assert not found.validated
     assert found.card["reasons"] == ["ancf/energy.py changed"]
     assert np.array_equal(
@@ -265,6 +272,11 @@ def spoil_card(folder, **changes):
     (folder / "card.json").write_text(json.dumps({**card, **changes}))
 
 
+def restamp(folder, stamp):
+    spoil_card(folder, certificate=stamp)
+    spoil_data(folder, "certificate", lambda a: np.array(stamp))
+
+
 def spoil_data(folder, name, change):
     arrays = npz.read(folder / "data.npz")
     arrays[name] = change(arrays[name])
@@ -278,7 +290,10 @@ def spoil_data(folder, name, change):
         (lambda f: (f / "data.npz").unlink(), "The data cannot be read"),
         (lambda f: (f / "card.json").write_text("{"), "is damaged"),
         (lambda f: spoil_card(f, schema=2), "schema 2, this version knows 1"),
+        (lambda f: (f / "card.json").write_text("[]"), "schema None, this version knows 1"),
+        (lambda f: spoil_card(f, plan=[], arrays=None), "arrays, plan missing or of another kind"),
         (lambda f: spoil_card(f, certificate="f" * 64), "the data are stamped UNVALIDATED, the card ffff"),
+        (lambda f: restamp(f, "f" * 64), "the card is stamped ffff.*, its plan UNVALIDATED"),
         (
             lambda f: (f / "data.npz").write_bytes((f / "data.npz").read_bytes()[:5000]),
             "truncated or damaged",
@@ -317,11 +332,18 @@ def test_numbers_that_cannot_be(made, name, change, words):
 
 
 def test_parquet_holds_the_same(made, tmp_path):
-    pytest.importorskip("pyarrow")
+    pq = pytest.importorskip("pyarrow.parquet")
     from surrogate import parquet
 
     found, _ = made
     again = parquet.read(parquet.write(found, tmp_path / "data.parquet"))
+    table = pq.read_table(tmp_path / "data.parquet")  # by the names that others will read
+    assert np.array_equal(table["r_x.z"], found.pose[:, 2, 1])
+    assert np.array_equal(table["r.y"], found.pose[:, 1, 0])
+    assert np.array_equal(table["moments.y"], found.moments[:, 1])
+    assert np.array_equal(table["stretch.r_z"], found.stretch[:, 2])
+    units = {field.name: field.metadata[b"unit"] for field in table.schema}
+    assert [units[name] for name in ("moment[0].x", "r.x", "r_x.x")] == [b"N m", b"m", b"1"]
     for name in ARRAYS:
         assert np.array_equal(getattr(found, name), getattr(again, name)), name
         assert getattr(found, name).dtype == getattr(again, name).dtype
@@ -363,6 +385,10 @@ def without(key):
         (tables(vary=[{"load": "force", "range": [0, 1]}]), "vary[0].load", "no [[force]] table"),
         (tables(vary=[{"load": "pressure", "range": [0, 1]}]), "vary[0].load", "none of moment, force"),
         (tables(vary=[{"load": "moment", "range": [0, 1], "steps": 3}]), "vary[0].steps", "Only a grid"),
+        (
+            tables(sampling="grid", vary=[{**THREE, "component": c, "steps": 10**5} for c in "xy"]), "vary",
+            "1e+10 rows, at most 1e+08",
+        ),
         (tables(sampling="grid", vary=[THREE]), "count", "the steps give 3"),
         (
             tables(sampling="grid", split="design", count=3, vary=[THREE]), "split", "no independent designs",

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ancf.cli import main
-from surrogate import gate, parquet
+from surrogate import gate, parquet, sweep
 from surrogate.dataset import load
 from tests.datasets import ID, stale, valid
 
@@ -130,11 +130,29 @@ def test_the_gate_closes_with_code_4(mine, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(gate, "verify", stale)
     told = refused(capsys, mine, "--out", str(out), code=4)
     assert "ancf/energy.py changed" in told
+    assert main(["dataset", mine, "--out", str(out), "--shard", "1/2", "--allow-unvalidated"]) == 0
+    capsys.readouterr()
     assert refused(capsys, "--merge", str(out), "--out", str(tmp_path / "other"), code=4)
     other = str(tmp_path / "allowed")
     assert main(["dataset", mine, "--out", other, "--allow-unvalidated", "--json"]) == 0
     told = capsys.readouterr()
     assert json.loads(told.out)["certificate"] == "UNVALIDATED" and "UNVALIDATED" in told.err
+
+
+def test_an_interruption_says_what_is_kept(mine, tmp_path, capsys, monkeypatch):
+    out, solve = tmp_path / "out", sweep.solve
+
+    def interrupted(block):
+        if block.number == 1:
+            raise KeyboardInterrupt
+        return solve(block)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sweep, "solve", interrupted)
+        assert main(["dataset", mine, "--out", str(out)]) == 130
+    assert f"What is finished is kept in {out}" in capsys.readouterr().err
+    assert [path.name for path in (out / "blocks").glob("*.npz")] == ["000000.npz"]
+    assert main(["dataset", mine, "--out", str(out)]) == 0
 
 
 def test_without_pyarrow_the_extra_is_named(mine, tmp_path, capsys, monkeypatch):

@@ -81,11 +81,6 @@ def cluster(tmp_path_factory):
     found.end()
 
 
-def workers_by_name(executor):
-    found = executor.client.scheduler_info(n_workers=-1)["workers"]
-    return {worker["name"]: address for address, worker in found.items()}
-
-
 def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
@@ -95,21 +90,25 @@ def test_a_worker_is_killed_half_way_and_the_bytes_are_the_same(cluster, tmp_pat
     design = small(count=1500)
     make(design, tmp_path / "alone")
     first, second = cluster.worker("first"), cluster.worker("second")
-    client_waits = cluster.until(lambda: _count(cluster.address) == 2)
-    assert client_waits
+    assert cluster.until(lambda: _count(cluster.address) == 2)
+    command = ["dataset", "--count", "300", "--allow-unvalidated", "--out"]
+    assert main([*command, str(tmp_path / "one"), "--scheduler", cluster.address]) == 0
+    assert main([*command, str(tmp_path / "two")]) == 0
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
     with opened(scheduler=cluster.address) as executor:
-        assert set(workers_by_name(executor)) == {"first", "second"}
+        address = {pid: address for address, pid in executor.client.run(os.getpid).items()}
+        assert set(address) == {first.pid, second.pid}
         first.send_signal(signal.SIGSTOP)
         held = []
 
         def kill(done, count):
             if done == 4:
-                held.extend(executor.client.processing()[workers_by_name(executor)["first"]])
+                held.extend(executor.client.processing()[address[first.pid]])
                 first.kill()
 
         make(design, tmp_path / "cluster", executor, progress=kill)
         assert held  # it did have work that was lost with it
-        assert set(workers_by_name(executor)) == {"second"}
+        assert set(executor.client.nthreads()) == {address[second.pid]}
     assert contents(tmp_path / "cluster") == contents(tmp_path / "alone")
 
     # The last worker dies too: named, kept, and gone on with elsewhere.
@@ -128,7 +127,7 @@ def _count(address):
     from distributed import Client
 
     with Client(address, timeout="1 s", set_as_default=False) as client:
-        return len(client.scheduler_info(n_workers=-1)["workers"])
+        return len(client.nthreads())
 
 
 def test_a_scheduler_without_workers_and_one_that_is_gone(cluster, tmp_path, capsys, monkeypatch):

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +14,23 @@ import pytest
 
 import ancf
 from ancf.cli import main
+from ancf.scene_file import read_tables
 from surrogate import gate, npz
 from surrogate.blocks import solve
 from surrogate.dataset import load
 from surrogate.design import design_from_dict
-from surrogate.gate import UNVALIDATED, Gate, ask, refuse_outside
+from surrogate.gate import UNVALIDATED, Gate, admit, ask, refuse_outside
 from surrogate.plan import Plan
 from surrogate.store import OtherPlan
-from surrogate.sweep import make
+from surrogate.sweep import make, sweep
+from tests.certificates import LEFT_OUT, passing_run, roots_in
 from tests.datasets import ID, VOUCHED, certificate, small, stale, tables, valid
-from validation.certificate import NotValidated, Verification, verify
+from tests.regimes import REGIME
+from validation.certificate import SHIPPED, NotValidated, Verification, build, verify, write
+from validation.certificate import load as load_certificate
+from validation.digests import PACKAGE
+
+DESIGNS = Path(__file__).parents[2] / "examples" / "designs"
 
 
 def parts(error):
@@ -102,7 +113,7 @@ def test_samples_outside_the_domain_are_refused_by_name(tmp_path, monkeypatch, c
     message = parts(refused)
     assert words in message.value and message.value.startswith("row ")
     assert message.where == "design small"
-    assert not (tmp_path / "data.npz").exists()
+    assert not list(tmp_path.iterdir())  # the next design finds an empty folder
     found = make(small(), tmp_path, allow_unvalidated=True)
     assert found.card["certificate"] == UNVALIDATED and words in found.card["reasons"][0]
     with pytest.raises(NotValidated, match="row "):  # the finished data without the permission
@@ -120,6 +131,24 @@ def test_one_sample_outside_is_enough(tmp_path, monkeypatch):
     with pytest.raises(NotValidated) as refused:
         make(small(), tmp_path)
     assert parts(refused).value.startswith(f"row {hardest}: ") and "; row" not in parts(refused).value
+
+
+def test_every_row_is_judged_and_not_the_hardest_alone():
+    """Pure bending was tried up to 1 rad and torsion up to 0.5: the middle row is softer than the first."""
+    EI_L = 1.0e6 * np.pi * 0.01**4 / 4.0 / 0.4
+    bent, twisted = {**VOUCHED, "loads": ["bending"]}, {**VOUCHED, "loads": ["torsion"], "turn": 0.5}
+    batch = ancf.solve_batch(small().scene, EI_L * np.array([[0, 0.9, 0], [0.6, 0, 0.1], [0.3, 0, 0.1]]))
+    assert list(Gate(certificate(bent, twisted)).outside(batch)) == [1]
+
+
+def test_blocks_that_were_allowed_are_not_taken_without_the_permission(tmp_path, monkeypatch):
+    monkeypatch.setattr(gate, "verify", valid({**VOUCHED, "turn": 0.6}))
+    plan = Plan(small(), ask())
+    sweep(plan, tmp_path, [0], allow_unvalidated=True)
+    with pytest.raises(NotValidated):
+        make(small(), tmp_path)
+    assert (tmp_path / "blocks" / "000000.npz").exists()  # what was there before stays
+    assert make(small(), tmp_path, allow_unvalidated=True).card["certificate"] == UNVALIDATED
 
 
 def test_rows_under_other_loads_are_judged_solved():
@@ -158,6 +187,60 @@ def test_other_effects_are_never_taken_for_moments_alone():
         scene = ancf.scene_from_dict({k: v for k, v in {**tables(), **extra}.items() if k != "design"})
         assert not gate._moments_only(scene)
     assert gate._moments_only(small().scene)
+
+
+def test_data_are_admitted_by_the_certificate_that_made_them(monkeypatch):
+    monkeypatch.setattr(gate, "verify", valid())
+    assert admit(ID, "data") == admit(ID, "data", allow_unvalidated=True) == ID
+    for stamp in (UNVALIDATED, "d" * 64):
+        with pytest.raises(NotValidated) as refused:
+            admit(stamp, "data")
+        assert parts(refused).value == f"stamped {stamp}, the certificate of this code is {ID}"
+        assert admit(stamp, "data", allow_unvalidated=True) == UNVALIDATED
+    monkeypatch.setattr(gate, "verify", stale)
+    with pytest.raises(NotValidated, match="changed"):
+        admit(ID, "data")
+    assert admit(ID, "data", True) == admit(UNVALIDATED, "data", True) == UNVALIDATED
+
+
+def test_the_whole_way_from_a_certificate_to_data(tmp_path):
+    """A run that passed in a tree of its own opens the gate there; one byte of the solver closes it."""
+    for name in ("ancf", "reference", "validation", "surrogate"):
+        shutil.copytree(PACKAGE.parent / name, tmp_path / name, ignore=LEFT_OUT)
+    run = passing_run(roots_in(tmp_path))
+    run.regimes = {case: [{**REGIME, **VOUCHED}] for case in run.regimes}
+    statement = build(run)
+    write(statement, tmp_path / "validation" / "certificate.json")
+    path = tmp_path / "design.json"
+    path.write_text(json.dumps(tables(count=10)))
+    code = (  # without numba, whose kernels would be compiled anew in another folder
+        "import json, sys; sys.modules['numba'] = None\n"
+        "from surrogate.design import design_from_dict; from surrogate.sweep import make, sweep\n"
+        "from validation.certificate import NotValidated\n"
+        "try: print(make(design_from_dict(json.load(open('design.json'))), 'data').card['certificate'])\n"
+        "except NotValidated as error: print(error)"
+    )
+    command = [sys.executable, "-c", code]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert done.stdout == f"{statement['id']}\n", done.stderr
+    with (tmp_path / "ancf" / "units.py").open("a") as file:
+        file.write("\n")
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert (
+        done.stdout.startswith("There is no valid certificate for this code")
+        and "ancf/units.py changed" in done.stdout
+    )
+
+
+@pytest.mark.parametrize("name", ["tip-force", "follower-moment", "neo-hookean"])
+def test_examples_lie_in_the_domain_of_the_shipped_certificate(name):
+    """Whether it holds for the present code or not: the corners of the box, its hardest points."""
+    data = read_tables(DESIGNS / f"{name}.toml")
+    corners = [{**variable, "steps": 2} for variable in data["design"]["vary"]]
+    data["design"] = {"sampling": "grid", "vary": corners}
+    plan = Plan(design_from_dict(data), Gate(load_certificate(SHIPPED)))
+    assert solve(plan.block(0)).outside == []
 
 
 def test_refusal_of_nothing():

@@ -12,11 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ancf.errors import InputError
 from surrogate import gate, npz, sweep
 from surrogate.executors import opened
-from surrogate.gate import ask
+from surrogate.gate import Gate, ask
 from surrogate.plan import Plan
 from surrogate.store import OtherPlan
 from surrogate.sweep import finished, make, merge, shard
@@ -104,10 +106,12 @@ def test_shards_make_the_same_bytes(tmp_path, whole):
     for i, folder in enumerate(folders):
         solve_blocks(plan, folder, shard(f"{i + 1}/2", plan.blocks))
     before = [contents(folder) for folder in folders]
+    shutil.copytree(folders[0], tmp_path / "spare")
     merge(folders, tmp_path / "all")
     assert contents(tmp_path / "all") == whole
     assert [contents(folder) for folder in folders] == before
-    merge(folders, folders[0])  # into one of them
+    (folders[0] / "blocks" / "000000.npz").write_bytes(b"damaged")
+    merge([folders[1], tmp_path / "spare"], folders[0])  # into one of them, of which a block is broken
     assert contents(folders[0]) == whole
 
 
@@ -122,6 +126,20 @@ def test_progress_counts_blocks(tmp_path):
 )
 def test_blocks_of_a_shard(text, blocks):
     assert list(shard(text, 5)) == blocks
+
+
+@given(st.integers(0, 200), st.integers(1, 30))
+def test_shards_are_every_block_once(blocks, count):
+    parts_ = [list(shard(f"{i + 1}/{count}", blocks)) for i in range(count)]
+    assert sorted(number for part in parts_ for number in part) == list(range(blocks))
+    assert max(map(len, parts_)) - min(map(len, parts_)) <= 1
+
+
+@given(st.integers(1, 2000))
+def test_blocks_are_every_row_once(count):
+    plan = Plan(small(count=count), Gate(None))
+    rows = [row for number in range(plan.blocks) for row in range(count)[plan.rows(number)]]
+    assert rows == list(range(count))
 
 
 @pytest.mark.parametrize("text", ["0/2", "3/2", "1", "1/0", "-1/2", "a/b", "1/2/3", "1/ 2"])
@@ -293,7 +311,6 @@ def test_a_missing_shard_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("schema", 2, "the schema of data sets differs: 2 there, 1 here"),
         ("certificate", "d" * 64, "the certificate differs: dddd"),
         ("solver", "e" * 64, "the code of the solver (digest of ancf/) differs: eeee"),
         ("versions", {"numpy": "1.0"}, "versions of packages differs"),
@@ -310,14 +327,22 @@ def test_shards_of_another_kind_are_refused_by_name(tmp_path, key, value, words)
         assert words in parts(refused).value and str(path) == parts(refused).where
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}"])
-def test_a_plan_that_is_none(tmp_path, text):
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": 2}'])
+def test_a_plan_of_another_schema(tmp_path, text):
     half(tmp_path)
     (tmp_path / "blocks" / "plan.json").write_text(text)
-    with pytest.raises(InputError):
+    words = "this version knows 1" if text else "it is not JSON"
+    with pytest.raises(InputError, match=words):
         merge([tmp_path], tmp_path / "out")
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=words):
         make(small(), tmp_path)
+
+
+def test_data_of_unknown_origin_are_left_alone(tmp_path):
+    (tmp_path / "data.npz").write_text("somebody's")
+    with pytest.raises(InputError, match="unknown origin"):
+        make(small(), tmp_path)
+    assert contents(tmp_path) == {"data.npz": b"somebody's"}
 
 
 def test_a_folder_with_other_data_is_left_alone(tmp_path):
