@@ -112,7 +112,7 @@ class Arm:
         return self._turned(np.asarray(v), -1.0) @ self.to_body * self.unit
 
     def _turned(self, v: Floats, sense: float) -> Floats:
-        """From the value of a follower at the reference to space: M = Exp(nu tau e) M_ref (reference: helix)."""
+        """Of a follower, from its value at the reference to space: M = Exp(nu tau e) M_ref, and back."""
         if self.moment.direction == "fixed":
             return v
         return (exp(sense * self.twist_ratio * v[..., :1] * np.eye(3)[0]) @ v[..., None])[..., 0]

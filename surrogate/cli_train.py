@@ -71,9 +71,8 @@ def train_and_save(
 
     fitted = fit(problem, kind, [seed], epochs)
     (found,) = fitted.models
-    deviation = problem.train.moments.std(axis=0)
     scores = {
-        name: score(found.predict, problem.arm, samples, deviation)
+        name: score(found.predict, problem.arm, samples, problem.deviation)
         for name, samples in designs(problem).named().items()
     }
     scores["slab"] = slab_score(problem, kind, seed, epochs)

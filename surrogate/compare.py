@@ -45,14 +45,11 @@ def compare(problem: Problem, seeds: Sequence[int] = SEEDS, epochs: int | None =
         if kind in ("closed form", "equivariant") and problem.arm.without_closed_form:
             continue
         fitted, without = fit(problem, kind, seeds, epochs), fit(rest, kind, seeds, epochs)
-        deviation = problem.train.moments.std(axis=0)
         found = {
-            name: [score(m.predict, problem.arm, samples, deviation) for m in fitted.models]
+            name: [score(m.predict, problem.arm, samples, problem.deviation) for m in fitted.models]
             for name, samples in sets.named().items()
         }
-        found["slab"] = [
-            score(m.predict, problem.arm, cut, rest.train.moments.std(axis=0)) for m in without.models
-        ]
+        found["slab"] = [score(m.predict, problem.arm, cut, rest.deviation) for m in without.models]
         models.append(
             {
                 "kind": kind,

@@ -98,13 +98,13 @@ class Designs:
 
     split: Samples  # the test rows of the data set's own split
     off_grid: Samples  # an independent design in the same box
-    trajectory: Samples  # constant-curvature poses; their moments are those of the thin arm
+    trajectory: Samples | None  # constant-curvature poses, with the moments of the thin arm; None without one
     noise: Samples  # the independent design, its poses disturbed
     outside: Samples  # moments beyond the box
 
     def named(self) -> dict[str, Samples]:
         """By name, in order."""
-        return {name: getattr(self, name) for name in ("split", "off_grid", "trajectory", "noise", "outside")}
+        return {name: samples for name, samples in vars(self).items() if samples is not None}
 
 
 def designs(problem: Problem, rows: int = TEST_ROWS, seed: int = 11) -> Designs:
@@ -116,7 +116,8 @@ def designs(problem: Problem, rows: int = TEST_ROWS, seed: int = 11) -> Designs:
     noise = Samples(off_grid.poses + scale * rng.normal(size=off_grid.poses.shape), off_grid.moments)
     wide = box_design(bounds, 4 * rows, seed + 1, OUTSIDE)  # half of them are inside
     beyond = ((wide < bounds[:, 0]) | (wide > bounds[:, 1])).any(axis=1)
-    return Designs(problem.test, off_grid, trajectory_of(problem), noise, solved(arm, wide[beyond][:rows]))
+    trajectory = None if arm.without_closed_form else trajectory_of(problem)
+    return Designs(problem.test, off_grid, trajectory, noise, solved(arm, wide[beyond][:rows]))
 
 
 def trajectory_of(problem: Problem) -> Samples:
@@ -161,7 +162,7 @@ def slab_score(problem: Problem, kind: str, seed: int = 0, epochs: int | None = 
 
     rest, cut = problem.without(slab(problem.bounds), seed)
     (model,) = fit(rest, kind, [seed], epochs).models
-    return score(model.predict, problem.arm, cut, rest.train.moments.std(axis=0))
+    return score(model.predict, problem.arm, cut, rest.deviation)
 
 
 def latency(model: Model, poses: Floats, calls: int = LATENCY_CALLS) -> tuple[float, float]:

@@ -54,6 +54,12 @@ class Problem:
         parts = (self.train, self.validation, self.test)
         return Samples(np.concatenate([p.poses for p in parts]), np.concatenate([p.moments for p in parts]))
 
+    @property
+    def deviation(self) -> Floats:
+        """Deviation (3,) [N m] of the training moments, the unit of z-scores; E I/L if one never varies."""
+        found = self.train.moments.std(axis=0)
+        return np.where(found > 0.0, found, self.arm.unit)
+
     def without(self, slab: Any, seed: int = 0) -> tuple[Problem, Samples]:
         """The problem without the rows whose moments `slab` (n, 3) -> (n,) picks, and those rows."""
         rows = self.all
@@ -73,6 +79,17 @@ def problem_of(data: DataSet) -> Problem:
     """
     tables = {key: value for key, value in data.card["plan"]["design"].items() if key != "design"}
     arm = Arm.of(scene_from_dict(tables))
+    other = [v["name"] for v in data.card["loads"] if not v["name"].startswith("moment[0]")]
+    if other:
+        raise InputError(
+            Message(
+                "Loads other than the tip moment vary in these data.",
+                "loads of the data set",
+                ", ".join(other),
+                "the inverse sought here is from the tip pose to the first moment, all else being fixed",
+                "take a design in which only the first moment varies",
+            )
+        )
     parts = {name: _samples(data, name) for name in ("train", "validation", "test")}
     short = [name for name, part in parts.items() if len(part) < 2]
     if short:

@@ -192,6 +192,33 @@ def test_ancf_train_track_and_invert(data, capsys, tmp_path, kind, poses):
         np.testing.assert_allclose(a["moment"], b["moment"], atol=1e-10)
 
 
+def test_data_in_which_other_loads_vary_are_refused(tmp_path, capsys):
+    text = DESIGN.replace("[design]", "[[force]]\nvalue = [0, 0, 0]\n[design]").replace(
+        "count = 256", "count = 16"
+    )
+    text = text.replace("]\n}", "").replace(
+        "vary = [", 'vary = [ { load = "force", component = "y", range = [-0.01, 0.01] },'
+    )
+    (tmp_path / "design.toml").write_text(text)
+    data = tmp_path / "d"
+    assert main(["dataset", str(tmp_path / "design.toml"), "--out", str(data), "--allow-unvalidated"]) == 0
+    assert main(["train", str(data), "--model", "polynomial", "--allow-unvalidated"]) == 2
+    assert "force[0].y" in capsys.readouterr().err
+
+
+def test_a_model_that_does_not_fit_the_arm_is_refused(tmp_path, capsys):
+    gravity = "[gravity]\nacceleration = [0, 0, 3.0]\n[[moment]]"
+    text = DESIGN.replace("[[moment]]", gravity).replace("0.3 }", "0.3, density = 1000.0 }")
+    (tmp_path / "design.toml").write_text(text.replace("count = 256", "count = 200"))
+    data = tmp_path / "d"
+    assert main(["dataset", str(tmp_path / "design.toml"), "--out", str(data), "--allow-unvalidated"]) == 0
+    assert main(["train", str(data), "--allow-unvalidated"]) == 2
+    assert "gravity" in capsys.readouterr().err
+    assert main(["train", str(data), "--model", "polynomial", "--allow-unvalidated", "--json"]) == 0
+    scores = json.loads(capsys.readouterr().out)["scores"]
+    assert scores["off_grid"]["tip"]["mean"] < 0.05  # %; 0.6 % without the effect of the weight
+
+
 def test_bad_arguments_are_refused(data, capsys, tmp_path):
     (tmp_path / "file").write_text("")
     polynomial = ["train", str(data), "--model", "polynomial", "--allow-unvalidated"]
