@@ -46,6 +46,7 @@ EXTRAS = {
     "pyvista": "pictures",
     "jinja2": "report",
     "torch": "surrogate",
+    "onnx": "surrogate",
     "distributed": "cluster",
     "pyarrow": "parquet",
 }
