@@ -23,7 +23,7 @@ from surrogate.model_file import (
     save,
     write_safetensors,
 )
-from surrogate.networks import Normaliser, PoseNetwork
+from surrogate.networks import Normaliser, PoseNetwork, image
 from surrogate.problem import box_design, problem_of
 
 DESIGN = """
@@ -248,6 +248,21 @@ def test_the_table_is_one_stack_of_folds(data, capsys):
     assert found["trainings"] == 25
     assert main(["crossval", str(data), "--epochs", "1", "--allow-unvalidated"]) == 0
     assert "25 trainings" in capsys.readouterr().out
+
+
+def test_every_row_is_left_out_once_and_never_trained_on_then(data):
+    from surrogate.crossval import _fold
+
+    samples = problem_of(load(data)).all
+    seen = []
+    for fold in range(5):
+        (kept, normaliser), (left, same) = _fold(samples, fold, 5, 3)
+        first, out = ({m.tobytes() for m in part.moments} for part in (kept, left))
+        assert not first & out and len(first) == 204 and len(out) == 51  # of 256
+        assert normaliser is same
+        np.testing.assert_array_equal(normaliser.mean, image(kept.poses).mean(axis=0))
+        seen += out
+    assert len(seen) == len(set(seen)) == 255
 
 
 def test_the_paper_is_regenerated_with_every_figure(data, tmp_path):

@@ -155,6 +155,18 @@ def test_the_symmetry_of_the_arm_holds_whatever_the_weights(sobol):
     )
 
 
+def test_the_residual_that_is_trained_is_the_one_that_answers():
+    from surrogate.equivariant import _stacked, combined
+    from surrogate.training import _unpack
+
+    rng = np.random.default_rng(8)
+    flat, x = rng.normal(size=(2, RESIDUAL_MLP.parameters)), rng.normal(size=(2, 9, 5))
+    found = _stacked(RESIDUAL_MLP)(_unpack(RESIDUAL_MLP, torch.from_numpy(flat)), torch.from_numpy(x))
+    for k in range(2):
+        h = RESIDUAL_MLP.forward(RESIDUAL_MLP.unpack(flat[k]), x[k, :, :2])
+        np.testing.assert_allclose(found[k].numpy(), combined(h, x[k]), atol=1e-13)
+
+
 def test_the_best_network_and_the_polynomial_meet_their_numbers(sobol):
     """Issue: network at most .03 % mean, .1 % p95, .5 % max; polynomial with 400 solves at most .01 % mean;
     one Gauss-Newton step at most 1e-3 %, two to solver tolerance, on 100 % of the box.
