@@ -32,7 +32,7 @@ def train(
 ) -> None:
     """Train an inverse model: tip pose to tip moment.
 
-    Writes model.safetensors, model.json, MODEL_CARD.md and, of the CNN, model.onnx. Scores are errors of the
+    Writes model.safetensors, model.json, MODEL_CARD.md and model.onnx. Scores are errors of the
     tip when the moments are solved again, on poses that know nothing of the training design.
 
     Exit code 0: done. 2: the input is wrong. 4: the certificate of the data is not the valid one.
@@ -66,7 +66,6 @@ def train_and_save(
     from surrogate.fit import fit
     from surrogate.model_card import model_card
     from surrogate.model_file import CARD, GRAPH, save
-    from surrogate.networks import PoseNetwork
     from surrogate.problem import plain_tables
 
     fitted = fit(problem, kind, [seed], epochs)
@@ -101,13 +100,12 @@ def train_and_save(
         record["validation_loss"] = fitted.validation_loss[0].tolist()
     record = save(folder, found, record)
     (folder / CARD).write_text(model_card(record))
-    if isinstance(found, PoseNetwork):
-        try:
-            from surrogate.onnx_graph import write_onnx
+    try:
+        from surrogate.onnx_graph import write_onnx
 
-            write_onnx(found, folder / GRAPH)
-        except ModuleNotFoundError:
-            print("no model.onnx: the package onnx is not installed", file=sys.stderr)
+        write_onnx(found, folder / GRAPH)
+    except ModuleNotFoundError:
+        print("no model.onnx: the package onnx is not installed", file=sys.stderr)
     return record
 
 

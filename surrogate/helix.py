@@ -37,6 +37,9 @@ Vector = tuple[float, float, float]
 
 NEWTON_STEPS = 30  # bracketed, so this is never reached in practice; some four are needed
 SETTLED = 1e-14  # [rad]
+# A moment longer by a radian must bring the tip nearer by this, of the length. A nearly straight arm may as
+# well have been twisted by a turn, and without this, noise of 1e-3 in a pose would decide.
+LENGTH_COST = 1e-3
 STRAIGHT = 1e-9  # sine of half the angle below which its series is exact
 
 
@@ -89,12 +92,13 @@ def helix_inverse(r: Vector, d_y: Vector, d_z: Vector, nu: float) -> HelixAnswer
 
     Notes
     -----
-    Holds for |v| < 0.99 (2 pi). A pose that no tip moment reaches gives a v of its rotation and a large
-    `mismatch`.
+    Holds for |v| < 0.99 (2 pi), except that of torsions by half a turn and more with next to no bending the
+    shorter moment to nearly the same pose is taken. A pose that no tip moment reaches gives a v of its
+    rotation and a large `mismatch`.
     """
     w, x, y, z = _quaternion(*section_axes(d_y, d_z))
     found = _of_quaternion(w, x, y, z, nu, r) + _of_quaternion(-w, -x, -y, -z, nu, r)
-    return min(found, key=_mismatch)
+    return min(found, key=_cost)
 
 
 def helix_inverses(body_poses: Floats, nu: float) -> tuple[Floats, Floats, Floats]:
@@ -201,8 +205,9 @@ def _quaternion(a: Vector, b: Vector, c: Vector) -> tuple[float, float, float, f
     return (a[1] - b[0]) / k, (c[0] + a[2]) / k, (c[1] + b[2]) / k, 0.25 * k
 
 
-def _mismatch(answer: HelixAnswer) -> float:
-    return answer.mismatch
+def _cost(answer: HelixAnswer) -> float:
+    x, y, z = answer.v
+    return answer.mismatch + LENGTH_COST * math.sqrt(x * x + y * y + z * z)
 
 
 def _dot(a: Vector, b: Vector) -> float:

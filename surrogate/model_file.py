@@ -1,7 +1,7 @@
 """Models in files: weights as safetensors, everything else as JSON, read without torch.
 
 A model's folder holds ``model.safetensors`` (weights and normaliser, float64), ``model.json`` (kind, scene,
-box of moments, scores, error radius, certificate), ``MODEL_CARD.md`` and, of the CNN, ``model.onnx``.
+box of moments, scores, error radius, certificate), ``MODEL_CARD.md`` and ``model.onnx``.
 
 The safetensors format (huggingface/safetensors, README): eight bytes with the length of a header, the header
 in JSON with dtype, shape and place of each tensor, then the bytes of the tensors, little-endian.

@@ -1,6 +1,7 @@
-"""The CNN as an ONNX graph: poses (n, 3, 4) in metres in, moments (n, 3) in newton metres out.
+"""Models as ONNX graphs: poses (n, 3, 4) in metres in, moments (n, 3) in newton metres out.
 
-The normaliser is part of the graph. float64, so that it agrees with the NumPy forward pass to rounding.
+Normalisers and features are part of the graph. float64, so that it agrees with the NumPy forward pass to
+rounding.
 """
 
 from __future__ import annotations
@@ -11,63 +12,71 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.architecture import Pooling
+from surrogate.architecture import Architecture, Pooling
+from surrogate.baselines import CHOICES, Polynomial
+from surrogate.equivariant import EquivariantNetwork
+from surrogate.fit import AnyModel
 from surrogate.networks import PoseNetwork
+from surrogate.onnx_helix import body_columns, helix_inverse, to_moments
+from surrogate.onnx_nodes import Graph, Value, joined
 
-OPSET, IR_VERSION = 17, 9  # ReduceMean with its axes as an attribute; read by onnxruntime 1.16 and later
+Floats = NDArray[np.float64]
 
 
-def onnx_model(network: PoseNetwork) -> Any:
-    """The graph as an `onnx.ModelProto`; raises ModuleNotFoundError without the package `onnx`."""
-    from onnx import TensorProto, checker, helper, numpy_helper  # pyright: ignore[reportMissingImports]
+def onnx_model(model: AnyModel) -> Any:
+    """The graph as an `onnx.ModelProto`.
 
-    nodes: list[Any] = []
-    constants: list[Any] = []
+    Raises
+    ------
+    ModuleNotFoundError : without the package `onnx`. TypeError : radial basis functions, closed form.
+    """
+    graph = Graph()
+    pose = Value(graph, "pose")
+    if isinstance(model, PoseNetwork):
+        x = (pose.shaped(-1, 12) - model.normaliser.mean) / model.normaliser.deviation
+        return graph.model(_layers(model.architecture, model.weights, x) * model.moment_unit)
+    if isinstance(model, EquivariantNetwork):
+        v, _ = helix_inverse(body_columns(graph, pose, model.arm), model.arm.twist_ratio)
+        return graph.model(to_moments(_with_residual(model, v), model.arm))
+    if isinstance(model, Polynomial):
+        columns = body_columns(graph, pose, model.arm)
+        _, log = helix_inverse(columns, model.arm.twist_ratio)
+        x = (joined([*columns[0::4], *log]) - model.normaliser.mean) / model.normaliser.deviation
+        padded = joined([x.taken([0]) * 0.0 + 1.0, x])
+        first, second, third = (padded.taken(CHOICES[:, k]) for k in range(3))
+        v = first * second * third @ model.coefficients
+        return graph.model(to_moments([v.taken([k]) for k in range(3)], model.arm))
+    raise TypeError(f"models of the kind {type(model).__name__} have no graph")
 
-    def constant(name: str, value: NDArray[Any]) -> str:
-        constants.append(numpy_helper.from_array(np.ascontiguousarray(value), name))
-        return name
 
-    def node(kind: str, *given: str, **attributes: Any) -> str:
-        name = f"{kind.lower()}{len(nodes)}"
-        nodes.append(helper.make_node(kind, list(given), [name], **attributes))
-        return name
+def write_onnx(model: AnyModel, path: Path) -> None:
+    """Write the graph to a file."""
+    path.write_bytes(onnx_model(model).SerializeToString())
 
-    flat = constant("flat", np.array([-1, 12]))
-    x = node("Reshape", "pose", flat)
-    x = node("Sub", x, constant("mean", network.normaliser.mean))
-    x = node("Div", x, constant("deviation", network.normaliser.deviation))
-    weights, stages = iter(network.weights), network.architecture.stages
+
+def _layers(architecture: Architecture, weights: list[tuple[Floats, Floats]], x: Value) -> Value:
+    """`Architecture.forward`."""
+    left, stages = iter(weights), architecture.stages
     for number, stage in enumerate(stages):
         if isinstance(stage.layer, Pooling):
-            x = node("Gather", x, constant(f"pool{number}", stage.index.astype(np.int64)), axis=1)
-            x = node("ReduceMean", x, axes=[-1], keepdims=0)
+            x = x.graph.node("ReduceMean", x.taken(stage.index), axes=[-1], keepdims=0)
             continue
-        W, b = next(weights)
+        W, b = next(left)
         if len(stage.index) > 1:
-            x = node("Gather", x, constant(f"patches{number}", stage.index.astype(np.int64)), axis=1)
-        x = node("MatMul", x, constant(f"weight{number}", W))
-        x = node("Add", x, constant(f"bias{number}", b))
-        if len(stage.index) > 1:
-            x = node(
-                "Reshape", x, constant(f"shape{number}", np.array([-1, stage.index.shape[0] * W.shape[1]]))
-            )
+            x = (x.taken(stage.index) @ W + b).shaped(-1, stage.index.shape[0] * W.shape[1])
+        else:
+            x = x @ W + b
         if number < len(stages) - 1:
-            x = node("Tanh", x)
-    nodes.append(helper.make_node("Mul", [x, constant("unit", np.array(network.moment_unit))], ["moment"]))
-    graph = helper.make_graph(
-        nodes,
-        "tip pose to tip moment",
-        [helper.make_tensor_value_info("pose", TensorProto.DOUBLE, ["n", 3, 4])],
-        [helper.make_tensor_value_info("moment", TensorProto.DOUBLE, ["n", 3])],
-        constants,
+            x = x.apply("Tanh")
+    return x
+
+
+def _with_residual(model: EquivariantNetwork, v: list[Value]) -> list[Value]:
+    """v with what the network adds (equivariant.py)."""
+    tau, y, z = v
+    invariants = joined(
+        [2.0 / model.largest[0] * (tau * tau) - 1.0, 2.0 / model.largest[1] * (y * y + z * z) - 1.0]
     )
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="ancf")
-    model.ir_version = IR_VERSION
-    checker.check_model(model)
-    return model
-
-
-def write_onnx(network: PoseNetwork, path: Path) -> None:
-    """Write the graph to a file."""
-    path.write_bytes(onnx_model(network).SerializeToString())
+    h = _layers(model.architecture, model.weights, invariants) * model.scale
+    h_0, h_1, h_2 = (h.taken([k]) for k in range(3))
+    return [tau * (1.0 + h_0), y * (1.0 + h_1) - tau * h_2 * z, z * (1.0 + h_1) + tau * h_2 * y]

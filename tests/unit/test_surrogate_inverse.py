@@ -16,7 +16,7 @@ from ancf.rotation import exp
 from reference.helix import helix_tip_moment
 from reference.helix_inverse import helix_inverse as reference_inverse
 from surrogate.arm import Arm, at_other_base, paper_arm
-from surrogate.helix import helix_inverses, helix_pose, section_axes
+from surrogate.helix import LENGTH_COST, helix_inverses, helix_pose, section_axes
 from surrogate.inverse import closed_form, exact_inverse, gauss_newton
 
 DIRECTION = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda d: np.linalg.norm(d) > 1e-3)
@@ -40,7 +40,9 @@ def test_the_closed_form_finds_the_moment_of_a_thin_arm(direction, size, nu):
     v = size * np.array(direction) / np.linalg.norm(direction)
     pose = thin_pose(v, nu)
     found, log, mismatch = helix_inverses(pose[None], nu)
-    assert mismatch[0] < 1e-9
+    if mismatch[0] > 1e-9:  # nearly torsion alone: a shorter moment, to a pose hardly different
+        assert mismatch[0] <= LENGTH_COST * (size - np.linalg.norm(found[0])) and abs(v[0]) > np.pi / (1 + nu)
+        return
     again = thin_pose(found[0], nu)
     np.testing.assert_allclose(again, pose, atol=1e-8)  # equal v, or another one of the same pose
     np.testing.assert_allclose(exp(log[0]), pose[:, 1:], atol=1e-9)
@@ -65,6 +67,15 @@ def test_the_logarithm_is_unwrapped():
     _, log, _ = helix_inverses(poses, 0.3)
     assert np.abs(np.diff(log, axis=0)).max() < 2.5 * (sizes[1] - sizes[0])
     assert np.linalg.norm(log[-1]) > 1.3 * np.pi
+
+
+def test_a_disturbed_pose_of_a_straight_arm_is_not_taken_for_a_twisted_one():
+    """Disturbed by 1e-3 of the length and of a unit vector; v is then wrong by some thousandths."""
+    rng = np.random.default_rng(9)
+    v = 0.01 * rng.normal(size=(300, 3))
+    r, R = helix_pose(v, 0.3)
+    poses = np.concatenate([r[:, :, None], R], axis=2) + 1e-3 * rng.normal(size=(300, 3, 4))
+    assert np.abs(helix_inverses(poses, 0.3)[0] - v).max() < 0.01
 
 
 def test_section_axes_are_those_of_the_polar_decomposition():

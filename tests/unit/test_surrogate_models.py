@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 import ancf
 from ancf.cli import main
-from surrogate.arm import paper_arm
+from surrogate.arm import Arm, paper_arm
+from surrogate.baselines import Polynomial
 from surrogate.crossval import cross_validate, rescaled
 from surrogate.dataset import load
 from surrogate.equivariant import RESIDUAL_MLP, EquivariantNetwork
@@ -46,7 +48,7 @@ vary = [
   { load = "moment", component = "z", range = [-0.02, 0.02] },
 ]
 """
-SCENE = {
+SCENE: dict[str, Any] = {
     "rod": [
         {
             "length": 0.4, "elements": 4, "section": {"shape": "circle", "radius": 0.01},
@@ -139,14 +141,50 @@ def test_models_answer_without_torch(tmp_path, poses):
     assert out.stdout.strip() == "(16, 3) []"
 
 
-def test_the_onnx_graph_agrees_with_numpy(poses):
-    """By the reference evaluator of the package onnx: metres in, newton metres out."""
+def polynomial(arm=ARM):
+    rng = np.random.default_rng(3)
+    return Polynomial(arm, Normaliser(rng.normal(size=6), rng.uniform(0.5, 2.0, 6)), rng.normal(size=(84, 3)))
+
+
+FOLLOWER = Arm.of(
+    ancf.scene_from_dict(
+        {
+            **SCENE,
+            "rod": [
+                {
+                    **SCENE["rod"][0],
+                    "base": {"position": [1, -2, 0.5], "x_axis": [1, 2, 0.5], "y_axis": [0, 1, 1]},
+                }
+            ],
+            "moment": [{"value": [0, 0, 1.0], "direction": "follower"}],
+        }
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("model", "arm"),
+    [
+        (cnn(2), ARM),
+        (equivariant(), ARM),
+        (EquivariantNetwork(FOLLOWER, equivariant().flat, np.array([1.0, 2.0]), 0.1), FOLLOWER),
+        (polynomial(), ARM),
+        (polynomial(FOLLOWER), FOLLOWER),
+    ],
+    ids=["cnn", "equivariant", "equivariant, follower", "polynomial", "polynomial, follower"],
+)
+def test_the_onnx_graph_agrees_with_numpy(model, arm):
+    """By the reference evaluator of the package onnx: metres in, newton metres out; |v| up to 4."""
     reference = pytest.importorskip("onnx.reference")
     from surrogate.onnx_graph import onnx_model
 
-    model = cnn(2)
+    v = np.concatenate(
+        [np.zeros((1, 3)), 1e-6 * np.eye(3), np.random.default_rng(4).uniform(-2.3, 2.3, (60, 3))]
+    )
+    poses = arm.solve(arm.moments(v)).poses
     (found,) = reference.ReferenceEvaluator(onnx_model(model)).run(None, {"pose": poses})
-    np.testing.assert_allclose(found, model.predict(poses), rtol=1e-12, atol=1e-16)
+    expected = model.predict(poses)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
 
 
 @pytest.fixture(scope="module")
