@@ -37,6 +37,7 @@ Vector = tuple[float, float, float]
 
 NEWTON_STEPS = 30  # bracketed, so this is never reached in practice; some four are needed
 SETTLED = 1e-14  # [rad]
+ROUNDING = 1e-9  # [rad] of a root, which may lie at pi itself
 # A moment longer by a radian must bring the tip nearer by this, of the length. A nearly straight arm may as
 # well have been twisted by a turn, and without this, noise of 1e-3 in a pose would decide.
 LENGTH_COST = 1e-3
@@ -136,7 +137,10 @@ def _roots(rho: float, p2: float, alpha: float, nu: float) -> list[tuple[float, 
         target = alpha + 2.0 * side
         for start in (target / (1.0 + nu), 0.999 * side):
             a = _newton(rho, p2, target, nu, start, False)
-            if abs(a) <= math.pi and abs(a + nu * _half_torsion(rho, p2, a)[0] - target) < 1e-9:
+            if (
+                abs(a) <= math.pi + ROUNDING
+                and abs(a + nu * _half_torsion(rho, p2, a)[0] - target) < ROUNDING
+            ):
                 found.append((a, target))
     return found
 

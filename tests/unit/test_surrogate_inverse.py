@@ -34,6 +34,7 @@ def thin_pose(v, nu):
 @example((0.0, 0.0, 1.0), 0.0, 0.3)
 @example((1.0, 0.0, 0.0), 6.0, 0.5)  # torsion alone, nearly a turn
 @example((0.0, 1.0, 0.0), np.pi, 0.3)
+@example((0.0, 0.0, 1.0), 5.0, 0.5)  # a root at pi itself
 @example((1.0, 1e-7, 0.0), 4.5, 0.3)  # torsion, hardly bent: the roots of both quaternions coincide
 @example((1.0, 0.3, 0.0), 5.5, 0.5)  # three roots for one quaternion
 def test_the_closed_form_finds_the_moment_of_a_thin_arm(direction, size, nu):

@@ -327,3 +327,31 @@ def test_models_are_compared(data, tmp_path, capsys):
         assert model["solves"]["reached"] == 1.0 and model["sets"]["off_grid"]["unsolved"] == 0
     assert record["auroc"] >= 0.99  # issue
     assert (tmp_path / "compare.md").read_text().count("| equivariant") == 2
+
+
+def test_a_model_carries_the_certificate_of_its_data(data, tmp_path, monkeypatch, capsys):
+    """Data of the valid certificate pass; of another one only unvalidated, and the stamp says so."""
+    from dataclasses import replace
+
+    import surrogate.dataset
+    import surrogate.gate
+    from surrogate.gate import Gate
+    from validation.certificate import Certificate
+
+    known = load(data)
+    certified = replace(known, card={**known.card, "certificate": "abc"})
+    monkeypatch.setattr(surrogate.dataset, "load", lambda path: certified)
+    arguments = ["train", str(data), "--model", "polynomial", "--out", str(tmp_path), "--json"]
+    for valid, extra, code, stamp in (
+        ("abc", [], 0, "abc"),
+        ("other", [], 4, None),
+        ("other", ["--allow-unvalidated"], 0, "UNVALIDATED"),
+    ):
+        gate = Gate(Certificate({"id": valid, "predicate": {"domain": {}}}))
+        monkeypatch.setattr(surrogate.gate, "ask", lambda allow_unvalidated=False, gate=gate: gate)
+        assert main([*arguments, *extra]) == code
+        streams = capsys.readouterr()
+        if stamp is None:
+            assert "abc" in streams.err and "other" in streams.err
+        else:
+            assert json.loads(streams.out)["certificate"] == stamp
