@@ -33,8 +33,8 @@ def invert(
     the tip does not move. With a scene file, or --exact: the same search from the closed form of the thin
     arm.
 
-    JSON: {schema, model, method, certificate, frame, length, error_radius, seconds, poses[]}, poses[] =
-    {moment [N m], status (converged | not_converged), reachable, reason, position_mismatch [m],
+    JSON: {schema, model, method, certificate, frame, length, error_radius, warnings, seconds, poses[]},
+    poses[] = {moment [N m], status (converged | not_converged), reachable, reason, position_mismatch [m],
     rotation_mismatch [rad], steps, solves, pose, predicted [N m]}. Mismatches are between the wanted pose and
     the equilibrium under the moment; `error_radius` (null without a model) is of `predicted`, the model's
     answer before any step.
@@ -69,6 +69,7 @@ def invert(
         "method": f"{trained['kind']}, gauss-newton" if trained else "levenberg-marquardt",
         "certificate": stamp,
         "error_radius": trained.get("error_radius"),
+        "warnings": [trained["leak"]] if trained.get("leak") else [],
         **answers(arm, found),
         "seconds": seconds,
     }
@@ -122,4 +123,6 @@ def _show(record: dict[str, Any]) -> None:
             f"the model alone is within {radius['position']:.2g} m and {radius['moment']:.2g} N m in"
             f" {100 * radius['level']:g} of 100 cases; certificate: {record['certificate']}"
         )
+    for warning in record["warnings"]:
+        console.print(f"warning: {warning}; nor does the radius hold off that design")
     console.print(f"{record['method']}, {1e3 * record['seconds'] / len(record['poses']):.2g} ms a pose")

@@ -57,7 +57,7 @@ def model_card(record: Mapping[str, Any]) -> str:
         " design of the data, not for disturbed or other ones.",
     ]
     if record.get("leak"):
-        lines += ["", f"WARNING: {record['leak']}"]
+        lines += ["", f"WARNING: {record['leak']}. The error radius, too, is that of the training design."]
     training = record["training"]
     lines += [
         "",

@@ -221,7 +221,7 @@ def test_ancf_train_track_and_invert(data, capsys, tmp_path, kind, poses):
     assert main(["invert", str(out), "--pose", str(tmp_path / "poses.npy"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["method"].startswith(kind) and found["certificate"] == "UNVALIDATED"
-    assert found["error_radius"]["level"] == 0.95
+    assert found["error_radius"]["level"] == 0.95 and found["warnings"] == []
     assert all(answer["reachable"] and len(answer["predicted"]) == 3 for answer in found["poses"])
     assert main(["invert", str(out), "--pose", str(tmp_path / "poses.npy"), "--exact", "--json"]) == 0
     exact = json.loads(capsys.readouterr().out)
