@@ -30,8 +30,13 @@ DESCRIPTIONS = {
     "report": "Run the validation and write report.html beside report.json.",
     "cost": "Show what accuracy costs in time, for problem families or for one scene.",
     "dataset": "Make an inverse-statics data set: loads and the tip poses they cause.",
+    "train": "Train an inverse model on a data set: tip pose to tip moment.",
+    "crossval": "Regenerate the paper's five-fold table.",
+    "track": "Follow the paper's reference trajectory with a model, through the solver.",
+    "compare": "Compare all inverse models, honestly, over several seeds.",
+    "reproduce": "Regenerate figures 4 to 11 and table 1 of the paper.",
+    "invert": "Find the tip moments for wanted tip poses.",
 }
-LATER_COMMANDS = ("train", "crossval", "track", "invert")
 
 # Third-party package -> extra of this project that brings it.
 EXTRAS = {
@@ -41,6 +46,7 @@ EXTRAS = {
     "pyvista": "pictures",
     "jinja2": "report",
     "torch": "surrogate",
+    "onnx": "surrogate",
     "distributed": "cluster",
     "pyarrow": "parquet",
 }
@@ -66,19 +72,9 @@ class CommandGroup(TyperGroup):
         if name in found:
             return name, _load(found[name]), args[1:]
         known = ", ".join(self.list_commands(ctx))
-        if name in LATER_COMMANDS:
-            raise InputError(
-                Message(
-                    f'The command "{name}" is not in this version.',
-                    f"command line: ancf {name}",
-                    f"this version has {known}",
-                    "the interface reserves it for a later version",
-                    f"use one of {known}",
-                )
-            )
         from ancf.scene_table import nearest
 
-        close = nearest(name, [*found, *LATER_COMMANDS])
+        close = nearest(name, list(found))
         raise InputError(
             Message(
                 f'Unknown command "{name}".',

@@ -42,6 +42,7 @@ ALLOWED = {
         "matplotlib",
         "distributed",  # the extra "cluster"
         "pyarrow",  # the extra "parquet"
+        "onnx",  # an export
         "ancf",
         "validation",
     },

@@ -160,11 +160,6 @@ def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest
         assert ("warning:" in shown) == bool(factors)
 
 
-@pytest.mark.parametrize("command", cli.LATER_COMMANDS)
-def test_later_commands_are_refused(command: str, capsys: pytest.CaptureFixture[str]):
-    assert f'"{command}" is not in this version' in refused(capsys, command, "x.toml", "--json")
-
-
 @pytest.mark.parametrize(
     ("args", "expected"),
     [

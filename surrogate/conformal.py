@@ -1,0 +1,65 @@
+"""Split-conformal error radius: with which distance a model's answers are right in 95 of 100 cases.
+
+With the errors e_1 .. e_n of n rows that the model has not seen, the ceil((n + 1) level)-th smallest is
+exceeded by the error of a new row with a probability of at most 1 - level, whatever the model, if the new
+row comes from the same design as the n. Off that design, and for disturbed poses, it promises nothing.
+
+Source: Vovk, Gammerman, Shafer, Algorithmic Learning in a Random World (2005); Lei et al., JASA 113 (2018).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.arm import Arm
+from surrogate.evaluate import Model
+from surrogate.problem import Samples
+
+Floats = NDArray[np.float64]
+
+LEVEL = 0.95
+
+
+@dataclass(frozen=True)
+class ErrorRadius:
+    """Radii that hold with the probability `level` on the design of the calibration rows."""
+
+    level: float
+    rows: int
+    position: float  # m, of the tip in closed loop
+    moment: float  # N m, Euclidean norm
+
+    def as_dict(self) -> dict[str, float]:
+        """Plain data for JSON."""
+        return asdict(self)
+
+
+def conformal_radius(errors: Floats, level: float = LEVEL) -> float:
+    """The radius of errors (n,) of rows that were not trained on; inf where n is too small for the level."""
+    rank = math.ceil((len(errors) + 1) * level - 1e-9)
+    return math.inf if rank > len(errors) else float(np.sort(errors)[rank - 1])
+
+
+def errors_of(model: Model, arm: Arm, samples: Samples) -> tuple[Floats, Floats]:
+    """Errors (n,) of the tip [m], in closed loop, and of the moment [N m]; inf without an equilibrium."""
+    moments = model(samples.poses)
+    found = arm.solve(moments)
+    away = np.linalg.norm(found.poses[:, :, 0] - samples.poses[:, :, 0], axis=1)
+    away[found.status != "converged"] = np.inf
+    return away, np.linalg.norm(moments - samples.moments, axis=1)
+
+
+def calibrated(model: Model, arm: Arm, samples: Samples, level: float = LEVEL) -> ErrorRadius:
+    """Radii of a model from the validation rows, which it has not been trained on."""
+    away, gap = errors_of(model, arm, samples)
+    return ErrorRadius(level, len(samples), conformal_radius(away, level), conformal_radius(gap, level))
+
+
+def coverage(radius: ErrorRadius, model: Model, arm: Arm, samples: Samples) -> tuple[float, float]:
+    """Shares of new rows whose errors of tip and of moment are within the radii."""
+    away, gap = errors_of(model, arm, samples)
+    return float(np.mean(away <= radius.position)), float(np.mean(gap <= radius.moment))

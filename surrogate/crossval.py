@@ -1,0 +1,152 @@
+"""The five-fold table of the paper (table 1, fig. 11): five architectures, all trainings as one stack."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.architecture import PUBLISHED_MSE, PUBLISHED_SIZES, TABLE_1, Architecture
+from surrogate.networks import UNITS, Normaliser, image, moment_unit
+from surrogate.problem import Problem, Samples, random_split, solved
+
+Floats = NDArray[np.float64]
+
+FOLDS, EPOCHS, BATCH = 5, 100, 64
+# The range of moments at which the published errors are met best: 20 units are this many E I/L. The paper
+# prints neither range nor stiffness. Ratios to the published errors, three seeds: 2.4 E I/L .7 to 2.0; 2.2
+# .3 to 1.4; 2.0 .4 to 2.0; 1.0 .04 to .3.
+TABLE_RANGE = 2.4
+
+
+@dataclass(frozen=True, eq=False)
+class TableRow:
+    """One architecture over all folds and seeds; errors on the rows that were left out."""
+
+    architecture: Architecture
+    published_size: int
+    published_mse: float
+    training_loss: Floats  # (folds x seeds, epochs) in units^2
+    validation_loss: Floats  # (folds x seeds, epochs) in units^2
+    unit: float  # N m
+    variance: Floats  # (folds x seeds,) of the targets left out, units^2
+    z_variance: Floats  # (folds x seeds,) of the training targets, units^2
+
+    @property
+    def mse(self) -> Floats:
+        """(folds x seeds,) after the last epoch, in units^2."""
+        return self.validation_loss[:, -1]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return {
+            "model": self.architecture.name,
+            "size": self.architecture.parameters,
+            "published_size": self.published_size,
+            "published_mse": self.published_mse,
+            "mse_mean": float(self.mse.mean()),
+            "mse_deviation": float(self.mse.std()),
+            "ratio": float(self.mse.mean() / self.published_mse),
+            "mse_N2m2": float(self.mse.mean() * self.unit**2),
+            "mse_z": float((self.mse / self.z_variance).mean()),
+            "r2": float((1.0 - self.mse / self.variance).mean()),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Table 1 regenerated."""
+
+    rows: list[TableRow]
+    range: float  # of the moments, in E I/L
+    trainings: int
+    seconds: float  # CPU time of all trainings
+    certificate: str
+
+    @property
+    def same_order(self) -> float:
+        """Rank correlation (Spearman) of the five errors with the published ones."""
+        ranks = np.argsort(np.argsort([row.mse.mean() for row in self.rows]))
+        published = np.argsort(np.argsort([row.published_mse for row in self.rows]))
+        return float(np.corrcoef(ranks, published)[0, 1])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return {
+            "range_EI_by_L": self.range,
+            "units_of_largest_moment": UNITS,
+            "trainings": self.trainings,
+            "cpu_seconds": self.seconds,
+            "certificate": self.certificate,
+            "rank_correlation": self.same_order,
+            "models": [row.as_dict() for row in self.rows],
+        }
+
+
+def rescaled(problem: Problem, largest: float = TABLE_RANGE) -> Problem:
+    """The same design with its largest moment at `largest` E I/L, solved here: stamped UNVALIDATED."""
+    from surrogate.gate import UNVALIDATED
+
+    factor = largest * problem.arm.unit / float(np.abs(problem.bounds).max())
+    rows = solved(problem.arm, problem.all.moments * factor)
+    parts = (rows.taken(part) for part in random_split(len(rows), 0))
+    split = dict(zip(("train", "validation", "test"), parts, strict=True))
+    return replace(problem, bounds=problem.bounds * factor, certificate=UNVALIDATED, **split)
+
+
+def cross_validate(
+    problem: Problem,
+    architectures: Sequence[Architecture] = TABLE_1,
+    *,
+    folds: int = FOLDS,
+    seeds: Sequence[int] = (0,),
+    epochs: int = EPOCHS,
+    batch: int = BATCH,
+) -> Table:
+    """Train every architecture on every fold with every seed, as one stacked training.
+
+    Inputs are z-scored by the training rows of each fold; targets are not (networks.py, UNITS).
+    """
+    from surrogate.training import Rows, Schedule, train
+
+    samples, unit = problem.all, moment_unit(problem.bounds)
+    pairs = [_fold(samples, fold, folds, seed) for seed in seeds for fold in range(folds)]
+    kept, left = [[_rows(s, n, unit) for s, n in part] for part in zip(*pairs, strict=True)]
+    training, validation = (
+        Rows(np.array([x for x, _ in part]), np.array([y for _, y in part])) for part in (kept, left)
+    )
+    started = time.process_time()
+    names = [1000 * seed + fold for seed in seeds for fold in range(folds)]
+    trained = train(architectures, training, validation, Schedule(epochs, batch), names)
+    seconds = time.process_time() - started
+    variance, z_variance = (part.y.var(axis=1).mean(axis=1) for part in (validation, training))
+    known = {
+        a.name: (size, mse) for a, size, mse in zip(TABLE_1, PUBLISHED_SIZES, PUBLISHED_MSE, strict=True)
+    }
+    rows = [
+        TableRow(
+            t.architecture, *known.get(t.architecture.name, (0, np.nan)), t.training_loss, t.validation_loss,
+            unit, variance, z_variance,
+        )
+        for t in trained
+    ]  # fmt: skip
+    largest = float(np.abs(problem.bounds).max() / problem.arm.unit)
+    return Table(rows, largest, len(architectures) * len(pairs), seconds, problem.certificate)
+
+
+def _fold(samples: Samples, fold: int, folds: int, seed: int) -> Any:
+    """Rows kept and rows left out, each with the normaliser of those kept; folds are of equal size."""
+    size = len(samples) // folds
+    order = np.random.default_rng([seed, 9]).permutation(len(samples))[: size * folds]
+    out = order[fold * size : (fold + 1) * size]
+    kept, left = samples.taken(np.setdiff1d(order, out)), samples.taken(out)
+    normaliser = Normaliser.of(image(kept.poses))
+    return (kept, normaliser), (left, normaliser)
+
+
+def _rows(samples: Samples, normaliser: Normaliser, unit: float) -> tuple[Floats, Floats]:
+    return normaliser(image(samples.poses)), samples.moments / unit
