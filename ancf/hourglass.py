@@ -11,15 +11,15 @@ and the energy that the exact integral over the element gives it, int P_2^2 dx =
 
     U = 1/2 c h/45 int 2 mu E : E dA,   E = 1/2 (second difference of the metric of the section),
 
-with c = rho h/(h^2 + (k rho)^2), rho the radius of gyration. In long elements c = rho/h makes it the energy of
-a layer: what a clamp does to the sections decays within about rho, not within the element. Short elements
-have energy enough by the gradient, and there c falls with h, so that the order of the element stays. At the
-nodes directors are free, so a turning section does not shrink there and eta vanishes in bending; it is of the
-order h^2 where the contraction changes along the rod.
+with c = rho h/(h^2 + (k rho)^2), rho the radius of gyration. In long elements c = rho/h makes it the energy
+of a layer: what a clamp does to the sections decays within about rho, not within the element. Short
+elements have energy enough by the gradient, and there c falls with h, so that the order of the element
+stays. At the nodes directors are free, so a turning section does not shrink there and eta vanishes in
+bending; it is of the order h^2 where the contraction changes along the rod.
 
 k is measured (`Element.long_from`): with 16 two elements of 3363 fail at L/R = 20; with 8 the order of 3343
-on curved rods is 3.3 between 16 and 32 elements, with 12 it is 3.8; with 12 nearly incompressible rubber on 3363
-needs load steps, with 8 none. (Flanagan, Belytschko, Int. J. Numer. Meth. Eng. 17 (1981) 679.)
+on curved rods is 3.3 between 16 and 32 elements, with 12 it is 3.8; with 12 nearly incompressible rubber on
+3363 needs load steps, with 8 none. (Flanagan, Belytschko, Int. J. Numer. Meth. Eng. 17 (1981) 679.)
 """
 
 from __future__ import annotations
