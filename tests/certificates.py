@@ -13,6 +13,7 @@ from validation.cost.run import FamilyCost
 from validation.cost.scaling import ScalePoint, TangentRatio
 from validation.criteria import Verdict, judge, worst
 from validation.digests import Roots
+from validation.effect_costs import EffectCost, SceneCalls
 from validation.expected import expected_checks
 from validation.hard_cases import HardResult, hard_cases
 from validation.hard_limits import hard_limits
@@ -74,6 +75,8 @@ def passing_run(roots):
     run.work.append(FamilyCost("pure bending", "", "", "", "", 1e-9, [], None, [point]))
     run.tangents.append(TangentRatio("3333", 12, 1.0, 20.0, 100.0, 1.0, 5.0))
     run.scaling.append(ScalePoint("3243", 100, 1200, 1.0, 1, 4, "converged"))
+    run.effect_calls.append(SceneCalls("arm", "converged", 4, {"elastic": 5}, {"elastic": 1.0}))
+    run.effect_costs.append(EffectCost("force", 12, 0.1, 1.0))
     run.regimes = {case.id: [REGIME] for case in cases if case.id in (CASE, "HX-3333-12")}
     run.subject = digests.of_solver(roots)
     run.configuration = digests.of_judges(roots) | {
