@@ -52,7 +52,7 @@ class Cluster(Executor):
         self.address = address
         _hush()
         try:
-            self.client = Client(address, timeout=PATIENCE, set_as_default=False)
+            self.client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             self._refuse(
                 "The scheduler does not answer.", f"{type(error).__name__}: {error}",
