@@ -72,6 +72,17 @@ def test_a_swelling_that_the_points_miss_costs_what_the_integral_says(name):
     assert control.energy(e) == pytest.approx(expected, rel=1e-5)
 
 
+@every_controlled
+def test_each_element_has_the_control_of_its_length(name):
+    """Elements of 0.3 and 0.7, met by a pin: the weights c h/45 of each stand in front of one section's H."""
+    rod = replace(arm(name, 20, 2), supports=(Support(0.0, "free_section_clamp"), Support(0.3, "pin")))
+    model = make_rod_model(Scene((rod,)), rod, 0)
+    np.testing.assert_allclose(model.mesh.h, [0.3, 0.7])
+    H = model.elastic.control.section.H[:, 0]
+    weights = [control_weight(h, 0.025, ELEMENTS[name].long_from) for h in (0.3, 0.7)]  # rho = R/2
+    np.testing.assert_allclose(H[0] / weights[0], H[1] / weights[1], rtol=1e-12)
+
+
 def test_short_elements_are_hardly_controlled():
     """c falls from rho/h in long elements to h/(144 rho) in short ones; it is largest, 1/24, at 12 rho."""
     c = [control_weight(h, 1.0, 12.0) * 45.0 / h for h in (1e4, 12.0, 1e-2)]
