@@ -31,6 +31,7 @@ from ancf.scene import (
 )
 from ancf.scene_plane import find_plane
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle, Section
+from tests.planar_scenes import from_band
 from tests.strategies import draws
 from validation.random_rods import LAWS, random_law, random_rotation
 
@@ -192,13 +193,3 @@ def scaled(K: np.ndarray, side: Any) -> np.ndarray:
 
 def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * max(np.abs(expected).max(), 1e-300))
-
-
-def from_band(band: np.ndarray, b: int) -> np.ndarray:
-    """Dense matrix of LAPACK's band with room for fill."""
-    n = band.shape[1]
-    K = np.zeros((n, n))
-    for j in range(n):
-        rows = np.arange(max(0, j - b), min(n, j + b + 1))
-        K[rows, j] = band[2 * b + rows - j, j]
-    return K

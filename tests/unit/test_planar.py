@@ -1,4 +1,4 @@
-"""Planar scenes on planar unknowns: the same answer, the same stability, and what leaves the plane."""
+"""Planar scenes on planar unknowns: the same answer and the same stability."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf import scene_plane
-from ancf.effects.tendon import PulledTendon
 from ancf.elements import ELEMENTS
-from ancf.errors import Message
 from ancf.hyperelastic import MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.mirror_system import Parity
@@ -27,49 +24,30 @@ from ancf.rotation import exp
 from ancf.scene import (
     Force,
     Frame,
-    Gravity,
     LineLoad,
-    LineMoment,
-    Magnet,
     Moment,
-    Pressure,
     Rod,
     Scene,
     SolverOptions,
     Support,
-    Tendon,
 )
-from ancf.scene_plane import Plane, find_plane, is_mirrored
-from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle
+from ancf.sections import Circle, Polygon, Rectangle
 from ancf.segments import Segment
-
-SOFT = SaintVenantKirchhoff(1e6, 0.3, 1000.0)
-EI = 1e6 * np.pi * 0.01**4 / 4
-LENGTH = 0.4
-FORCE, MOMENT = EI / LENGTH**2, EI / LENGTH
-OBLIQUE = exp(np.array([0.4, -0.7, 0.9]))
-
-
-def arm(**changes: Any) -> Rod:
-    return replace(Rod("arm", LENGTH, 6, Circle(0.01), SOFT), **changes)
-
-
-def scene(rod: Rod, **loads: Any) -> Scene:
-    return Scene((rod,), **{"forces": (Force("arm", 1.0, np.array([0.2, 3.0, 0.0]) * FORCE),), **loads})
-
-
-def both(one: Scene) -> tuple[ancf.Solution, ancf.Solution]:
-    """Solved with reductions and without."""
-    full = replace(one, solver=replace(one.solver, reduction="full"))
-    return ancf.solve(one), ancf.solve(full)
-
-
-def distance(a: ancf.Solution, b: ancf.Solution) -> float:
-    return a.model.largest_motion(a.q - b.q)
-
-
-def is_planar(solution: ancf.Solution) -> bool:
-    return any(sentence.startswith("planar:") for sentence in solution.reductions)
+from tests.planar_scenes import (
+    FORCE,
+    LENGTH,
+    LOADS,
+    OBLIQUE,
+    SOFT,
+    TRAPEZIUM,
+    arm,
+    both,
+    distance,
+    find,
+    from_band,
+    is_planar,
+    scene,
+)
 
 
 def moved(one: Scene, turn: np.ndarray) -> Scene:
@@ -79,7 +57,6 @@ def moved(one: Scene, turn: np.ndarray) -> Scene:
     return replace(one, rods=(replace(rod, base=base),), forces=(replace(force, value=turn @ force.value),))
 
 
-TRAPEZIUM = Polygon(((-0.01, -0.006), (0.01, -0.003), (0.01, 0.003), (-0.01, 0.006)))
 RODS = {
     **{f"{name} {formulation}": arm(element=name, formulation=formulation)
        for name, element in ELEMENTS.items() for formulation in element.formulations},
@@ -131,24 +108,6 @@ def test_round_rods_have_a_plane_in_every_direction(name: str, angle: float):
     planar, full = both(one)
     assert is_planar(planar)
     assert distance(planar, full) < 1e-12
-
-
-LOADS: dict[str, dict[str, Any]] = {
-    "moment": {"moments": (Moment("arm", 1.0, np.array([0, 0, 2.0]) * MOMENT),)},
-    "vorticity": {"moments": (Moment("arm", 1.0, np.array([0, 0, 2.0]) * MOMENT, "fixed", "vorticity"),)},
-    "follower moment": {"moments": (Moment("arm", 0.7, np.array([0, 0, 2.0]) * MOMENT, "follower"),)},
-    "lever": {"forces": (Force("arm", 1.0, np.array([1.0, 2, 0]) * FORCE, np.array([0.008, 0.0])),)},
-    "follower": {"forces": (Force("arm", 0.8, np.array([0.0, 2, 0]) * FORCE, direction="follower"),)},
-    "line load": {"line_loads": (LineLoad("arm", np.array([0.0, 3, 0]) * FORCE / LENGTH),)},
-    "follower line load": {
-        "line_loads": (LineLoad("arm", np.array([0.0, 3, 0]) * FORCE / LENGTH, "follower"),)
-    },
-    "line moment": {"line_moments": (LineMoment("arm", np.array([0.0, 0, 2]) * MOMENT / LENGTH),)},
-    "weight": {"gravity": Gravity(np.array([1.0, -2.0, 0.0]))},
-    "magnet": {"magnets": (Magnet("arm", np.array([0.1, 0.02, 0]), np.array([0.01, 0.06, 0])),)},
-    "tendon": {"tendons": (Tendon("arm", 1.0, np.array([[0.0, 0.006, 0], [0.6, 0.006, 0], [1, 0, 0]])),)},
-    "chamber": {"pressures": (Pressure("arm", 2e4, np.array([0.004, 0.0]), 0.003, 0.2, 0.9),)},
-}
 
 
 @pytest.mark.parametrize("load", LOADS)
@@ -205,21 +164,6 @@ def dense(model: Model, flat: np.ndarray) -> np.ndarray:
 
 def dense_of(side: Parity, flat: np.ndarray) -> np.ndarray:
     return from_band(side.pattern.banded(flat), side.pattern.b)
-
-
-def from_band(band: np.ndarray, b: int) -> np.ndarray:
-    n = band.shape[1]
-    K = np.zeros((n, n))
-    for j in range(n):
-        for i in range(max(0, j - b), min(n, j + b + 1)):
-            K[i, j] = band[2 * b + i - j, j]
-    return K
-
-
-def find(one: Scene) -> Plane:
-    plane = find_plane(one)
-    assert isinstance(plane, Plane), str(plane)
-    return plane
 
 
 def test_rods_of_several_elements_share_a_plane():
@@ -332,130 +276,6 @@ def test_a_start_decides_whether_the_plane_will_do():
     aside[-2, 2] += 1e-9  # z of r_y at the tip
     assert is_planar(ancf.solve(one, start=first.q))
     assert not is_planar(ancf.solve(one, start=aside.ravel()))
-
-
-def test_full_is_lu_on_all_unknowns():
-    _, full = both(scene(arm()))
-    assert full.reductions == []
-    assert type(full.model) is Model
-
-
-def test_oblique_loads_are_symmetric_only():
-    one = scene(arm(section=Rectangle(0.02, 0.01)), gravity=Gravity(np.array([0.0, 0.0, 1.0])))
-    lean, full = both(one)
-    assert [s.split(":")[0] for s in lean.reductions] == ["symmetric"]
-    assert lean.stable is full.stable is True
-    assert distance(lean, full) < 1e-12
-    twisted = replace(one, moments=(Moment("arm", 1.0, np.array([1.0, 0, 0]) * MOMENT),))
-    assert ancf.solve(twisted).reductions == []
-    spread = replace(one, line_moments=(LineMoment("arm", np.array([1.0, 0, 0]) * MOMENT),))
-    assert ancf.solve(spread).reductions == []
-
-
-def test_a_cable_is_proposed_where_nothing_needs_sections():
-    """What it leaves out, shear: 3 E I/(G A L^2) of a cantilever's deflection (Timoshenko's beam)."""
-    proposed = ancf.solve(scene(arm())).reductions[-1]
-    assert proposed.startswith("cable, on request") and 'element = "cable"' in proposed
-    assert "some 0.001 of" in proposed  # 3 (R/(2 L))^2 2 (1 + nu) = 1.2e-3
-    for one in (
-        scene(arm(element="cable")),
-        scene(arm(section=Rectangle(0.02, 0.01))),
-        scene(arm(curvature=np.array([0.0, 0.0, 1.0]))),
-        *(
-            scene(arm(), **LOADS[load])
-            for load in ("moment", "lever", "follower", "tendon", "chamber", "magnet")
-        ),
-    ):
-        assert not any(sentence.startswith("cable") for sentence in ancf.solve(one).reductions)
-    assert ancf.solve(replace(scene(arm()), solver=SolverOptions(reduction="full"))).reductions == []
-
-
-LEAVING = {
-    "force[0]": scene(arm(), moments=(Moment("arm", 1.0, np.array([0, 0, MOMENT])),),
-                      forces=(Force("arm", 1.0, np.array([0, 1.0, 0.5])),)),
-    "moment[1]": scene(arm(), moments=(Moment("arm", 0.5, np.array([0, 0, MOMENT])),
-                                       Moment("arm", 1.0, np.array([MOMENT, 0, 0])))),
-    "force[0].offset": scene(
-        arm(), forces=(Force("arm", 1.0, np.array([0, 1.0, 0]), np.array([0.0, 0.005])),)),
-    "rod[0].curvature": scene(arm(curvature=np.array([1.0, 0, 0]))),
-    "rod[0].section": scene(arm(section=Rectangle(0.02, 0.01)),
-                            forces=(Force("arm", 1.0, np.array([0, 1.0, 1.0])),)),
-    "rod[1].base": Scene((
-        arm(curvature=np.array([0, 0, 1.0])),
-        arm(name="other", base=Frame(np.zeros(3), np.eye(3)[:, [2, 0, 1]]))
-    )),
-    "gravity": scene(arm(), gravity=Gravity(np.array([0, 0, -9.81]))),
-    "tendon[0].path": scene(
-        arm(), tendons=(Tendon("arm", 1.0, np.array([[0, 0, 0.005], [1, 0, 0.005]])),)),
-    "pressure[0].chamber": scene(arm(), pressures=(Pressure("arm", 1e4, np.array([0, 0.004]), 0.003),)),
-    "magnet[0].field": scene(
-        arm(), magnets=(Magnet("arm", np.array([0.1, 0, 0]), np.array([0.0, 0, 0.1])),)),
-    "line_load[0]": scene(arm(), line_loads=(LineLoad("arm", np.array([0, 0, 0.1])),)),
-    "line_moment[0]": scene(arm(), line_moments=(LineMoment("arm", np.array([0.01, 0, 0])),)),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("where", LEAVING)
-def test_planar_names_what_leaves_the_plane(where: str):
-    found = find_plane(LEAVING[where])
-    assert isinstance(found, Message)
-    assert found.what == "The scene is not planar."
-    assert found.where == where
-    assert 'reduction = "auto"' in found.advice
-    with pytest.raises(ancf.SceneError, match="not planar"):
-        ancf.solve(replace(LEAVING[where], solver=SolverOptions(reduction="planar")))
-
-
-@pytest.mark.parametrize("off", [1e-3, 1e-7, 1e-11, 1e-15, 1e-40])
-def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
-    along, aside = OBLIQUE[:, 0], OBLIQUE @ [0.0, 0.6, 0.8]
-    rod = arm(base=Frame(np.zeros(3), OBLIQUE))
-    plane = find(scene(rod, forces=(Force("arm", 1.0, along + off * aside),)))
-    if off > 1e-14:  # below, rounding has the last word on which plane it is
-        assert abs(plane.normal @ aside) < 1e-15 / off
-
-
-def test_effects_that_the_plane_does_not_know_are_solved_in_space(monkeypatch: pytest.MonkeyPatch):
-    """As if contact had come and nobody had thought of its mirror image."""
-    monkeypatch.setattr(scene_plane, "KNOWN", scene_plane.KNOWN - {"gravity"})
-    one = scene(arm(), gravity=Gravity(np.array([0.0, -1.0, 0.0])))
-    found = find_plane(one)
-    assert isinstance(found, Message) and found.where == "gravity"
-    assert not is_planar(ancf.solve(one))
-
-
-def test_effects_are_asked_for_their_potential(monkeypatch: pytest.MonkeyPatch):
-    """As if a tendon rubbed in its sheath: known to be in the plane, but no longer conservative."""
-    one = scene(arm(), **LOADS["tendon"])
-    assert any(sentence.startswith("symmetric") for sentence in ancf.solve(one).reductions)
-    monkeypatch.setattr(PulledTendon, "potential", lambda self, e: None)
-    rubbing = ancf.solve(one)
-    assert is_planar(rubbing)
-    assert not any(sentence.startswith("symmetric") for sentence in rubbing.reductions)
-
-
-def test_zero_loads_are_in_every_plane():
-    one = scene(arm(), moments=(Moment("arm", 1.0, np.zeros(3)),), gravity=Gravity(np.zeros(3)))
-    assert has_potential(one, find(one))
-    np.testing.assert_array_equal(find(one).normal, [0, 0, 1])
-
-
-@pytest.mark.parametrize(
-    ("section", "planes"),
-    [
-        (Circle(1.0), (True, True, True)),
-        (Annulus(1.0, 0.5), (True, True, True)),
-        (Ellipse(1.0, 0.5), (True, True, False)),
-        (Rectangle(1.0, 0.5), (True, True, False)),
-        (Polygon(((0, 0), (1, 0), (1, 1), (0, 1))), (True, True, True)),  # a square: its diagonals as well
-        (TRAPEZIUM, (False, True, False)),
-        (Polygon(((0, 0), (2, 0), (0, 1))), (False, False, False)),
-    ],
-)  # fmt: skip
-def test_mirror_images_of_sections(section: Any, planes: tuple[bool, bool, bool]):
-    half = np.sqrt(0.5)
-    normals = ((1.0, 0.0), (0.0, 1.0), (half, half))
-    assert tuple(is_mirrored(section, normal) for normal in normals) == planes
 
 
 def test_turned_vectors_are_derivatives_along_turned_axes():
