@@ -26,9 +26,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effect_assembly import EFFECT_MODULES
 from ancf.model import Model
 from ancf.scene import Gravity, Scene, StabilityOptions
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.scene_numbers import STANDARD_GRAVITY, rod_numbers
 from ancf.solution import Solution, Status
 from ancf.stepping import find_equilibrium

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 
 import ancf
 from ancf.advice import CLOSE, MATTERS, NEGLIGIBLE, STANDARD_GRAVITY, Advice, Influence, advise, without_each
-from ancf.effect_assembly import EFFECT_MODULES
 from ancf.model import Model
 from ancf.scene import Gravity, Scene
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.solution import Solution
 from tests.property import test_random_balance
 from tests.strategies import fewer
