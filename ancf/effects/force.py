@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import DeadLoad, Effect
+from ancf.effects import DeadLoad, Effect, without_potential
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import hat, section_rotation
 from ancf.scene import Scene
@@ -61,6 +61,6 @@ class FollowerForce(Effect):
         K = np.einsum("m,inc->minc", self.shape, dF).reshape(1, size, size)
         return np.outer(self.shape, F)[None], K
 
-    def potential(self, e: Floats) -> None:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a follower force has none."""
-        return
+        return without_potential(self.value)

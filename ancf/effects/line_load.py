@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import DeadLoad, Effect
+from ancf.effects import DeadLoad, Effect, without_potential
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import hat, section_rotation
@@ -65,6 +65,6 @@ class FollowerLineLoad(Effect):
         K = np.swapaxes(self.shape, 1, 2) @ df.reshape(count, points, -1)
         return np.einsum("epn,epa->ena", self.shape, f), K.reshape(count, 3 * nodal, 3 * nodal)
 
-    def potential(self, e: Floats) -> None:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a follower load has none."""
-        return
+        return without_potential(self.value)

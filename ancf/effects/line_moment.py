@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.distributed_couple import DistributedCouple, turning
-from ancf.effects import Effect
+from ancf.effects import Effect, without_potential
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
 
@@ -39,6 +39,6 @@ class LineMoment(DistributedCouple):
         """See `DistributedCouple.couple_change`."""
         return turning(m) if self.follower else 0.0
 
-    def potential(self, e: Floats) -> None:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a moment in space has none."""
-        return
+        return without_potential(self.value)

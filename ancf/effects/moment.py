@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import Effect
+from ancf.effects import Effect, without_potential
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import SectionRotation, hat, section_rotation
 from ancf.scene import Scene
@@ -65,9 +65,9 @@ class _PointMoment(Effect):
     def _moment(self, rotation: SectionRotation) -> Floats:
         return rotation.R @ self.value if self.follower else self.value
 
-    def potential(self, e: Floats) -> None:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a moment in space has none."""
-        return
+        return without_potential(self.value)
 
 
 class SectionMoment(_PointMoment):
