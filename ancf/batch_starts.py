@@ -42,7 +42,9 @@ def solve_in_waves(
 def dear_starts(model: Model) -> bool:
     """Whether the scene has more than moments, under which no start is known in closed form."""
     scene = model.scene
-    values = [load.value for load in (*scene.forces, *scene.line_loads, *scene.line_moments, *scene.pressures)]
+    values = [
+        load.value for load in (*scene.forces, *scene.line_loads, *scene.line_moments, *scene.pressures)
+    ]
     values += [] if scene.gravity is None else [scene.gravity.acceleration]
     values += [tendon.tension for tendon in scene.pulled_tendons]
     acting = any(np.any(value) for value in values)
