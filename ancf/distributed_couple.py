@@ -1,11 +1,12 @@
 r"""Couples per length on the sections of a rod, conjugate to their spin: Q = int N^T couple(m) dx.
 
-Each section takes a couple as a point moment does (moment.py): Q_k = mu x (R W_k), mu = G^-1 m. What differs
-between effects is the couple as a function of the section's rotation R,
+Each section takes a couple as a point moment does (moment.py), here in its own axes (section_spin.py). What
+differs between effects is how the couple stands to them: with its components M in the axes that turn with the
+section by dw, dM = A dw,
 
-    fixed in space       m = m_0             dm = 0
-    turning with it      m = R m_0           dm = dw x m
-    magnetic             m = (R p) x B       dm = (dw x R p) x B,     V = -int (R p) . B dx.
+    fixed in space       A = hat(M)
+    turning with it      A = 0
+    magnetic             M = p x B, p fixed in the section, B in space:  A = hat(p) hat(B),  V = -int p . B dx.
 """
 
 from __future__ import annotations
@@ -15,67 +16,62 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import Effect
+from ancf.effects import SparseEffect
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
-from ancf.rotation import SectionRotation, hat, section_rotation
+from ancf.section_spin import SectionAxes, section_map
+from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
 
 
-class DistributedCouple(Effect):
-    """Couples on all sections of a rod, at the axial points of its strain energy; blocks are elements."""
+class DistributedCouple(SparseEffect):
+    """Couples on all sections of a rod, at the axial points of its strain energy; blocks are elements.
+
+    Attributes
+    ----------
+    E : (n_el points, 3, 3) axes of the sections in the reference, as rows
+    weight : (n_el points, 1) [m] of the integral
+    """
 
     def __init__(self, model: RodModel) -> None:
         xi, _ = gauss(model.axial_points)
         self.dofs = model.dofs
-        self.N = np.array([model.element.shape(xi, float(h)) for h in model.mesh.h])
-        d0 = self.N @ model.e0[:, None]
-        self.W = model.weights_at(xi, d0)
-        self.weight = model.axial_weights[..., None]
-        # (n_el, nodal, points directors): sums over points and directors are one product.
-        self._to_nodes = np.moveaxis(self.N, 3, 1).reshape(len(self.N), self.N.shape[3], -1)
+        N = np.array([model.element.shape(xi, float(h)) for h in model.mesh.h])
+        to_b, E = section_map(N, model.weights_at(xi, N @ model.e0[:, None]))
+        self.to_b = to_b.reshape(len(N), -1, to_b.shape[-1])  # (n_el, points 2, nodal)
+        self.E = E.reshape(-1, 3, 3)
+        self.weight = model.axial_weights.reshape(-1, 1)
+        first, second = (np.repeat(to_b, 2, axis=2), np.tile(to_b, (1, 1, 2, 1)))
+        self._pairs = VectorPairs(*(one.reshape(len(N), -1, one.shape[-1]) for one in (first, second)))
+        self.entries = self._pairs.entries
+        self._to_nodes = np.ascontiguousarray(np.swapaxes(self.to_b, 1, 2))
 
     @abstractmethod
-    def couple(self, R: Floats) -> Floats:
-        """Couple per length (n_el, points, 3) [N m/m] on sections turned by R (n_el, points, 3, 3)."""
+    def couple(self, axes: SectionAxes) -> Floats:
+        """Couples (n_el points, 3) [N m] in the axes of the sections, weight included."""
 
     @abstractmethod
-    def couple_change(self, R: Floats, m: Floats) -> Floats | float:
-        """Matrix D (n_el, points, 3, 3) with dm = D dw; 0.0 where it is constant."""
+    def couple_change(self, axes: SectionAxes, M: Floats) -> Floats | None:
+        """Matrix A (n_el points, 3, 3) with dM = A dw, weight included; None where it is zero."""
 
-    def _rotation(self, e: Floats) -> SectionRotation:
-        return section_rotation(self.N @ e[:, None], self.W)
+    def axes(self, e: Floats) -> SectionAxes:
+        """Axes of the sections at the nodal vectors e (n_el, nodal, 3)."""
+        return SectionAxes.of((self.to_b @ e).reshape(-1, 2, 3))
 
-    def _force(self, rotation: SectionRotation, m: Floats) -> Floats:
-        Q_d = rotation.couple(self.weight * m)
-        return self._to_nodes @ Q_d.reshape(len(Q_d), -1, 3)
+    def _force(self, axes: SectionAxes, mu: Floats) -> Floats:
+        return self._to_nodes @ axes.couple(mu).reshape(len(self.dofs), -1, 3)
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
-        rotation = self._rotation(e)
-        return self._force(rotation, self.couple(rotation.R))
+        axes = self.axes(e)
+        return self._force(axes, axes.mu(self.couple(axes)))
 
-    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
-        """See `Effect.force_and_tangent`; symmetric where the couple has a potential."""
-        rotation = self._rotation(e)
-        m = self.couple(rotation.R)
-        dw = rotation.spin()
-        *places, _, directors, _ = dw.shape
-        dw = dw.reshape(*places, 3, 3 * directors)
-        change = self.couple_change(rotation.R, m)
-        dm = change if isinstance(change, float) else self.weight[..., None] * (change @ dw)
-        K_d = rotation.couple_tangent(self.weight * m, dm, dw)
-        count, points = places
-        size = 3 * self.N.shape[-1]
-        # First the columns, component by component, then the rows.
-        K_d = np.moveaxis(K_d.reshape(count, points, 3 * directors, directors, 3), 4, 3)
-        right = K_d.reshape(count, points, 9 * directors, directors) @ self.N  # (.., directors 3 3, nodal)
-        right = right.reshape(count, points * directors, 3, 3, -1).swapaxes(3, 4)
-        K = self._to_nodes @ right.reshape(count, points * directors, -1)
-        return self._force(rotation, m), K.reshape(count, size, size)
-
-
-def turning(m: Floats) -> Floats:
-    """D of a couple that turns with its section: dm = dw x m = -hat(m) dw."""
-    return -hat(m)
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `SparseEffect.force_and_entries`; symmetric where the couple has a potential."""
+        axes = self.axes(e)
+        M = self.couple(axes)
+        mu = axes.mu(M)
+        K = axes.couple_tangent(mu, self.couple_change(axes, M))
+        K = K.swapaxes(2, 3).reshape(len(self.dofs), -1, 3, 3)  # points, b, b'
+        return self._force(axes, mu), self._pairs.entries_of(K)

@@ -73,6 +73,29 @@ class Effect(ABC):
         raise NotImplementedError
 
 
+class SparseEffect(Effect):
+    """An effect on few of the nodal vectors, or few pairs of them: most of dQ/de is zero.
+
+    Attributes
+    ----------
+    entries : (k,) places of the other entries in the blocks dQ/de (m, nd, nd), flattened; each once
+    """
+
+    entries: NDArray[np.intp]
+
+    @abstractmethod
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """Q (m, nd / 3, 3) and the entries of dQ/de (k values)."""
+
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`."""
+        Q, values = self.force_and_entries(e)
+        m, nd = self.dofs.shape
+        K = np.zeros(m * nd * nd)
+        K[self.entries] = values.ravel()
+        return Q, K.reshape(m, nd, nd)
+
+
 class DeadLoad(Effect):
     """A load whose generalised force is constant: Q = S^T F (paper eq. 20)."""
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import DeadLoad, Effect, without_potential
+from ancf.effects import DeadLoad, Effect, SparseEffect, without_potential
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
-from ancf.rotation import hat, section_rotation
 from ancf.scene import Scene
+from ancf.section_spin import SectionAxes, section_map
+from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
 
@@ -37,33 +38,34 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return effects
 
 
-class FollowerLineLoad(Effect):
+class FollowerLineLoad(SparseEffect):
     """A line load that keeps its direction relative to each section."""
 
     name = "line_load"
 
     def __init__(self, dofs: NDArray[np.intp], N: Floats, W: Floats, shape: Floats, value: Floats) -> None:
         self.dofs = dofs
-        self.N = N
-        self.W = W
-        self.shape = shape
         self.value = value  # (3,) N/m, at the reference
+        to_b, E = section_map(N, W)
+        self.to_b = to_b.reshape(len(N), -1, to_b.shape[-1])  # (n_el, points 2, nodal)
+        self.f = E.reshape(-1, 3, 3) @ value  # (n_el points, 3) in the axes of the sections
+        self._pairs = VectorPairs(np.repeat(shape, 2, axis=1), self.to_b)
+        self.entries = self._pairs.entries
+        self._to_nodes = np.ascontiguousarray(np.swapaxes(shape, 1, 2))
+
+    def _turned(self, e: Floats) -> SectionAxes:
+        return SectionAxes.of((self.to_b @ e).reshape(-1, 2, 3))
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`: Q = int N_0^T R f_0 dx."""
-        R = section_rotation(self.N @ e[:, None], self.W).R
-        return np.einsum("epn,epa->ena", self.shape, R @ self.value)
+        return self._to_nodes @ self._turned(e).vector(self.f).reshape(len(e), -1, 3)
 
-    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
-        """See `Effect.force_and_tangent`: dQ = -int N_0^T hat(f) dw dx."""
-        rotation = section_rotation(self.N @ e[:, None], self.W)
-        f = rotation.R @ self.value
-        count, points, _, nodal = self.N.shape
-        df_dd = np.swapaxes(-hat(f)[..., None, :, :] @ np.moveaxis(rotation.spin(), 3, 2), 3, 4)
-        df = np.swapaxes(df_dd, 2, 4).reshape(count, points, 9, -1) @ self.N
-        df = df.reshape(count, points, 3, 3, nodal).swapaxes(3, 4)
-        K = np.swapaxes(self.shape, 1, 2) @ df.reshape(count, points, -1)
-        return np.einsum("epn,epa->ena", self.shape, f), K.reshape(count, 3 * nodal, 3 * nodal)
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `SparseEffect.force_and_entries`: dQ = -int N_0^T hat(f) dw dx (section_spin.py)."""
+        axes = self._turned(e)
+        df = np.swapaxes(axes.vector_change(self.f), 1, 2).reshape(len(e), -1, 3, 3)  # points, b
+        Q = self._to_nodes @ axes.vector(self.f).reshape(len(e), -1, 3)
+        return Q, self._pairs.entries_of(df)
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a follower load has none."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.distributed_couple import DistributedCouple, turning
+from ancf.distributed_couple import DistributedCouple
 from ancf.effects import Effect, without_potential
 from ancf.rod_model import RodModel
+from ancf.rotation import hat
 from ancf.scene import Scene
+from ancf.section_spin import SectionAxes
 
 Floats = NDArray[np.float64]
 
@@ -30,14 +32,15 @@ class LineMoment(DistributedCouple):
         super().__init__(model)
         self.value = value
         self.follower = follower
+        self.turning = self.weight * (self.E @ value)  # (n_el points, 3) N m in the axes, of a follower
 
-    def couple(self, R: Floats) -> Floats:
+    def couple(self, axes: SectionAxes) -> Floats:
         """See `DistributedCouple.couple`."""
-        return R @ self.value if self.follower else np.broadcast_to(self.value, R.shape[:-1])
+        return self.turning if self.follower else self.weight * axes.local(self.value)
 
-    def couple_change(self, R: Floats, m: Floats) -> Floats | float:
+    def couple_change(self, axes: SectionAxes, M: Floats) -> Floats | None:
         """See `DistributedCouple.couple_change`."""
-        return turning(m) if self.follower else 0.0
+        return None if self.follower else hat(M)
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a moment in space has none."""

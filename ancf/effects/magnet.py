@@ -17,6 +17,7 @@ from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import hat
 from ancf.scene import Scene
+from ancf.section_spin import SectionAxes
 
 Floats = NDArray[np.float64]
 
@@ -40,20 +41,21 @@ class MagneticCouple(DistributedCouple):
         area = [[model.section_in(e, float(s)).area for s in xi] for e in range(len(model.dofs))]
         _, frame = reference_axis(model.axial_abscissae.ravel(), model.rod.curvature)
         axes = (model.rod.base.rotation @ frame).reshape(*model.axial_abscissae.shape, 3, 3)
-        self.moment = np.array(area)[..., None] / MU_0 * (axes @ remanence)  # A m2/m, SCS at the reference
+        moment = np.array(area)[..., None] / MU_0 * (axes @ remanence)  # A m2/m, SCS at the reference
+        self.p = (
+            self.weight * (self.E @ moment.reshape(-1, 3, 1))[..., 0]
+        )  # (n_el points, 3) A m2, in the axes
+        self.hat_p = hat(self.p)
         self.field = field
 
-    def couple(self, R: Floats) -> Floats:
+    def couple(self, axes: SectionAxes) -> Floats:
         """See `DistributedCouple.couple`."""
-        return np.cross(self._moment(R), self.field)
+        return (self.hat_p @ axes.local(self.field)[..., None])[..., 0]
 
-    def couple_change(self, R: Floats, m: Floats) -> Floats:
-        """See `DistributedCouple.couple_change`: (dw x p) x B = hat(B) hat(p) dw."""
-        return hat(self.field) @ hat(self._moment(R))
-
-    def _moment(self, R: Floats) -> Floats:
-        return (R @ self.moment[..., None])[..., 0]
+    def couple_change(self, axes: SectionAxes, M: Floats) -> Floats:
+        """See `DistributedCouple.couple_change`: the field turns against the section, dB = B x dw."""
+        return self.hat_p @ hat(axes.local(self.field))
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`."""
-        return -float(np.sum(self.weight * self._moment(self._rotation(e).R) * self.field))
+        return -float(np.sum(self.p * self.axes(e).local(self.field)))
