@@ -6,7 +6,7 @@ section by dw, dM = A dw,
 
     fixed in space       A = hat(M)
     turning with it      A = 0
-    magnetic             M = p x B, p fixed in the section, B in space:  A = hat(p) hat(B),  V = -int p . B dx.
+    magnetic             M = p x B, p in the section, B in space:  A = hat(p) hat(B),  V = -int p . B dx.
 """
 
 from __future__ import annotations
@@ -24,6 +24,9 @@ from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
 
+# Places in a matrix of (y, z; components) of its entries by pairs of vectors.
+BY_PAIRS = np.arange(36).reshape(2, 3, 2, 3).swapaxes(1, 2).ravel()
+
 
 class DistributedCouple(SparseEffect):
     """Couples on all sections of a rod, at the axial points of its strain energy; blocks are elements.
@@ -31,7 +34,7 @@ class DistributedCouple(SparseEffect):
     Attributes
     ----------
     E : (n_el points, 3, 3) axes of the sections in the reference, as rows
-    weight : (n_el points, 1) [m] of the integral
+    weight : (n_el points,) [m] of the integral
     """
 
     def __init__(self, model: RodModel) -> None:
@@ -41,7 +44,7 @@ class DistributedCouple(SparseEffect):
         to_b, E = section_map(N, model.weights_at(xi, N @ model.e0[:, None]))
         self.to_b = to_b.reshape(len(N), -1, to_b.shape[-1])  # (n_el, points 2, nodal)
         self.E = E.reshape(-1, 3, 3)
-        self.weight = model.axial_weights.reshape(-1, 1)
+        self.weight = model.axial_weights.ravel()
         first, second = (np.repeat(to_b, 2, axis=2), np.tile(to_b, (1, 1, 2, 1)))
         self._pairs = VectorPairs(*(one.reshape(len(N), -1, one.shape[-1]) for one in (first, second)))
         self.entries = self._pairs.entries
@@ -49,7 +52,7 @@ class DistributedCouple(SparseEffect):
 
     @abstractmethod
     def couple(self, axes: SectionAxes) -> Floats:
-        """Couples (n_el points, 3) [N m] in the axes of the sections, weight included."""
+        """Couples (3, n_el points) [N m] in the axes of the sections, weight included."""
 
     @abstractmethod
     def couple_change(self, axes: SectionAxes, M: Floats) -> Floats | None:
@@ -73,5 +76,5 @@ class DistributedCouple(SparseEffect):
         M = self.couple(axes)
         mu = axes.mu(M)
         K = axes.couple_tangent(mu, self.couple_change(axes, M))
-        K = K.swapaxes(2, 3).reshape(len(self.dofs), -1, 3, 3)  # points, b, b'
+        K = K.reshape(-1, 36).take(BY_PAIRS, 1).reshape(len(self.dofs), -1, 3, 3)
         return self._force(axes, mu), self._pairs.entries_of(K)

@@ -4,7 +4,7 @@ Moments on a section see two vectors only (fused_load.py, rotation.py): with the
 W_k = sum_b I_kb E_b they are b_y, b_z = sum_k d_k I_k. In the axes F = (q_y, q_z, n) that turn with the
 section they have the symmetric components S, and no third one:
 
-    d = |b_y x b_z|,   t = tr S,   S = (B B^T + d I)/t,   q = S^-1 b,   n = b_y x b_z/d,   G^-1 = diag(S/d, 1/t)
+    d = |b_y x b_z|,  t = tr S,  S = (B B^T + d I)/t,  q = S^-1 b,  n = b_y x b_z/d,  G^-1 = diag(S/d, 1/t)
 
 (B B^T the products of b_y, b_z; S/d is the inverse of adj S). Components of db_y, db_z in these axes give the
 spin and the changes of S,
@@ -31,6 +31,7 @@ All of Om, U and X are linear in S/d, 1/t, mu and products of m_y, m_z with S/t:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,9 +40,7 @@ from ancf.rotation import hat
 
 Floats = NDArray[np.float64]
 
-# S^-1 = adj(S)/d: the entries of S/d in reverse order, with these signs.
-_ADJUGATE = np.array([[1.0, -1.0], [-1.0, 1.0]])
-_TWICE_ROUND = np.array([0, 1, 2, 0, 1])
+_TWICE_ROUND = np.array([0, 1, 2, 0, 1])  # components of a, so that a[1:4], a[2:5] are its cycles
 Y, Z, N = 0, 1, 2
 
 
@@ -100,72 +99,81 @@ def section_map(N: Floats, W: Floats) -> tuple[Floats, Floats]:
     return E[..., :2, :] @ np.swapaxes(W, -1, -2) @ N, E
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """Products a x b (3, p) of vectors (3, p)."""
+    a, b = a.take(_TWICE_ROUND, 0), b.take(_TWICE_ROUND, 0)
+    return a[1:4] * b[2:5] - a[2:5] * b[1:4]
+
+
 @dataclass(frozen=True)
 class SectionAxes:
-    """Axes and stretch of the vectors b of sections (p of them)."""
+    """Axes and stretch of the vectors b of p sections; vectors are (3, p), the section last."""
 
-    F: Floats  # (p, 3, 3) rows q_y, q_z, n
-    S: Floats  # (p, 2, 2)
-    S_d: Floats  # (p, 2, 2) S/d
-    t: Floats  # (p,)
+    F: Floats  # (3, 3, p) q_y, q_z, n
+    factors: Floats  # (5, p) S/d (yy, yz, zy, zz) and 1/t
+    S_t: Floats  # (4, p) S/t
 
     @classmethod
     def of(cls, b: Floats) -> SectionAxes:
         """Of b (p, 2, 3); not finite where a section has collapsed to a line."""
-        twice = b.take(_TWICE_ROUND, axis=2)
-        y, z = twice[:, 0], twice[:, 1]
-        n = y[:, 1:4] * z[:, 2:5] - y[:, 2:5] * z[:, 1:4]
-        d = np.sqrt(np.einsum("pi,pi->p", n, n))
-        S = b @ np.swapaxes(b, 1, 2)
-        diagonal = S.reshape(-1, 4)[:, ::3]
-        diagonal += d[:, None]
-        t = np.sqrt(diagonal[:, 0] + diagonal[:, 1])
-        S /= t[:, None, None]
-        S_d = S / d[:, None, None]
-        F = np.empty((len(b), 3, 3))
-        np.matmul(S_d[:, ::-1, ::-1] * _ADJUGATE, b, out=F[:, :2])
-        np.divide(n, d[:, None], out=F[:, 2])
-        return cls(F, S, S_d, t)
+        count = len(b)
+        v = np.empty((3, 3, count))  # b_y, b_z, b_y x b_z
+        v[:2] = b.transpose(1, 2, 0)
+        v[2] = cross(v[0], v[1])
+        squares = np.add.reduce(v * v, 1)
+        d = np.sqrt(squares[2])
+        S = np.empty((4, count))  # times t
+        np.add(squares[0], d, out=S[0])
+        np.add(squares[1], d, out=S[3])
+        S[1:3] = np.add.reduce(v[0] * v[1], 0)
+        factors = np.empty((5, count))
+        per_t, per_d = np.divide(1.0, np.sqrt(S[0] + S[3]), out=factors[4]), 1.0 / d
+        S *= per_t
+        S_d = np.multiply(S, per_d, out=factors[:4])
+        F = np.empty((3, 3, count))
+        np.multiply(S_d[::-3, None], v[:2], out=F[:2])
+        F[:2] -= S_d[1] * v[1::-1]
+        np.multiply(per_d, v[2], out=F[2])
+        return cls(F, factors, S * per_t)
 
     def local(self, a: Floats) -> Floats:
-        """Components (p, 3) of a vector a (3,) or (p, 3, 1) in the axes."""
-        return self.F @ a if a.ndim == 1 else (self.F @ a)[..., 0]
+        """Components (3, p) in the axes of a vector a (3,)."""
+        return a @ self.F
+
+    def vector(self, f: Floats) -> Floats:
+        """Vectors (p, 3) in space from their components f (3, p) in the axes."""
+        return np.add.reduce(f[:, None] * self.F, 0).T
+
+    def vector_change(self, hat_f: Floats) -> Floats:
+        """Change (p, 3, 2, 3) of `vector` with b, df = dw x f, by hat(f) (p, 3, 3) in the axes."""
+        spin = (self.factors.T @ _SPIN).reshape(-1, 6, 3) @ self._rows
+        turned = np.ascontiguousarray(self.F.transpose(2, 1, 0)) @ hat_f  # columns q_y, q_z, n, times f
+        return (turned @ -spin.reshape(-1, 3, 6)).reshape(-1, 3, 2, 3)
 
     def mu(self, M: Floats) -> Floats:
-        """mu (p, 3) of couples M (p, 3), both in the axes."""
+        """mu (3, p) of couples M (3, p), both in the axes."""
         mu = np.empty_like(M)
-        np.matmul(self.S_d, M[:, :2, None], out=mu[:, :2, None])
-        np.divide(M[:, 2], self.t, out=mu[:, 2])
+        np.add.reduce(self.factors[:4].reshape(2, 2, -1) * M[:2], 1, out=mu[:2])
+        np.multiply(self.factors[4], M[2], out=mu[2])
         return mu
 
     def couple(self, mu: Floats) -> Floats:
         """Generalised forces (p, 2, 3) on b_y, b_z, in space."""
-        return (mu @ _COUPLE).reshape(-1, 2, 3) @ self.F
+        return (mu.T @ _COUPLE).reshape(-1, 2, 3) @ self._rows
 
     def couple_tangent(self, mu: Floats, A: Floats | None) -> Floats:
-        """Change (p, 2, 3, 2, 3) of `couple` with b; A (p, 3, 3), None for a couple that turns with it."""
-        count = len(mu)
-        factors = np.empty((count, 16))
-        factors[:, :4] = self.S_d.reshape(count, 4)
-        np.divide(1.0, self.t, out=factors[:, 4])
-        factors[:, 5:8] = mu
-        S_t = (self.S * factors[:, 4, None, None]).reshape(count, 1, 4)
-        np.multiply(mu[:, :2, None], S_t, out=factors[:, 8:].reshape(count, 2, 4))
-        rows = (factors @ _TANGENT).reshape(count, 9, 6)
+        """Change (p, 6, 6) of `couple` with b; A (p, 3, 3), None for a couple that turns with it."""
+        factors = np.empty((16, mu.shape[1]))
+        factors[:5] = self.factors
+        factors[5:8] = mu
+        np.multiply(mu[:2, None], self.S_t, out=factors[8:].reshape(2, 4, -1))
+        rows = (factors.T @ _TANGENT).reshape(-1, 9, 6)
         if A is not None:
             rows[:, 6:] += A @ rows[:, 3:6]
-        rows = (rows.reshape(count, 18, 3) @ self.F).reshape(count, 9, 6)
-        return (np.swapaxes(rows[:, :6], 1, 2) @ rows[:, 3:]).reshape(count, 2, 3, 2, 3)
+        rows = (rows.reshape(-1, 18, 3) @ self._rows).reshape(-1, 9, 6)
+        return np.swapaxes(rows[:, :6], 1, 2) @ rows[:, 3:]
 
-    def vector(self, f: Floats) -> Floats:
-        """Vectors (p, 3) in space from their components f (p, 3) in the axes."""
-        return (f[:, None] @ self.F)[:, 0]
-
-    def vector_change(self, f: Floats) -> Floats:
-        """Change (p, 3, 2, 3) of `vector` with b: df = dw x f."""
-        count = len(self.t)
-        factors = np.empty((count, 5))
-        factors[:, :4] = self.S_d.reshape(count, 4)
-        np.divide(1.0, self.t, out=factors[:, 4])
-        spin = ((factors @ _SPIN).reshape(count, 6, 3) @ self.F).reshape(count, 3, 6)
-        return (np.swapaxes(self.F, 1, 2) @ hat(-f) @ spin).reshape(count, 3, 2, 3)
+    @cached_property
+    def _rows(self) -> Floats:
+        """F (p, 3, 3), the section first."""
+        return np.ascontiguousarray(self.F.transpose(2, 0, 1))

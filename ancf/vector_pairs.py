@@ -1,7 +1,7 @@
 r"""Stiffnesses between vectors of an element, brought to the nodal vectors they depend on.
 
-Vectors l_k = L_k e and r_k = R_k e are linear in the nodal vectors, and forces on the l_k change by C_k (3, 3)
-with the r_k. In the blocks of the elements that is
+Vectors l_k = L_k e and r_k = R_k e are linear in the nodal vectors, and forces on the l_k change by
+C_k (3, 3) with the r_k. In the blocks of the elements that is
 
     dQ/de = sum_k L_k^T R_k (x) C_k,
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ancf.effects import DeadLoad, Effect, SparseEffect, without_potential
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
+from ancf.rotation import hat
 from ancf.scene import Scene
 from ancf.section_spin import SectionAxes, section_map
 from ancf.vector_pairs import VectorPairs
@@ -48,7 +49,8 @@ class FollowerLineLoad(SparseEffect):
         self.value = value  # (3,) N/m, at the reference
         to_b, E = section_map(N, W)
         self.to_b = to_b.reshape(len(N), -1, to_b.shape[-1])  # (n_el, points 2, nodal)
-        self.f = E.reshape(-1, 3, 3) @ value  # (n_el points, 3) in the axes of the sections
+        self.f = (E.reshape(-1, 3, 3) @ value).T  # (3, n_el points) in the axes of the sections
+        self.hat_f = hat(self.f.T)
         self._pairs = VectorPairs(np.repeat(shape, 2, axis=1), self.to_b)
         self.entries = self._pairs.entries
         self._to_nodes = np.ascontiguousarray(np.swapaxes(shape, 1, 2))
@@ -63,7 +65,7 @@ class FollowerLineLoad(SparseEffect):
     def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
         """See `SparseEffect.force_and_entries`: dQ = -int N_0^T hat(f) dw dx (section_spin.py)."""
         axes = self._turned(e)
-        df = np.swapaxes(axes.vector_change(self.f), 1, 2).reshape(len(e), -1, 3, 3)  # points, b
+        df = np.swapaxes(axes.vector_change(self.hat_f), 1, 2).reshape(len(e), -1, 3, 3)  # points, b
         Q = self._to_nodes @ axes.vector(self.f).reshape(len(e), -1, 3)
         return Q, self._pairs.entries_of(df)
 

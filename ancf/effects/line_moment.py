@@ -32,7 +32,7 @@ class LineMoment(DistributedCouple):
         super().__init__(model)
         self.value = value
         self.follower = follower
-        self.turning = self.weight * (self.E @ value)  # (n_el points, 3) N m in the axes, of a follower
+        self.turning = self.weight * (self.E @ value).T  # (3, n_el points) N m in the axes, of a follower
 
     def couple(self, axes: SectionAxes) -> Floats:
         """See `DistributedCouple.couple`."""
@@ -40,7 +40,7 @@ class LineMoment(DistributedCouple):
 
     def couple_change(self, axes: SectionAxes, M: Floats) -> Floats | None:
         """See `DistributedCouple.couple_change`."""
-        return None if self.follower else hat(M)
+        return None if self.follower else hat(M.T)
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a moment in space has none."""

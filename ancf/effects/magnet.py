@@ -17,7 +17,7 @@ from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.rotation import hat
 from ancf.scene import Scene
-from ancf.section_spin import SectionAxes
+from ancf.section_spin import SectionAxes, cross
 
 Floats = NDArray[np.float64]
 
@@ -42,19 +42,18 @@ class MagneticCouple(DistributedCouple):
         _, frame = reference_axis(model.axial_abscissae.ravel(), model.rod.curvature)
         axes = (model.rod.base.rotation @ frame).reshape(*model.axial_abscissae.shape, 3, 3)
         moment = np.array(area)[..., None] / MU_0 * (axes @ remanence)  # A m2/m, SCS at the reference
-        self.p = (
-            self.weight * (self.E @ moment.reshape(-1, 3, 1))[..., 0]
-        )  # (n_el points, 3) A m2, in the axes
-        self.hat_p = hat(self.p)
+        in_axes = (self.E @ moment.reshape(-1, 3, 1))[..., 0]
+        self.p = self.weight * in_axes.T  # (3, n_el points) A m2
+        self.hat_p = hat(self.p.T)
         self.field = field
 
     def couple(self, axes: SectionAxes) -> Floats:
         """See `DistributedCouple.couple`."""
-        return (self.hat_p @ axes.local(self.field)[..., None])[..., 0]
+        return cross(self.p, axes.local(self.field))
 
     def couple_change(self, axes: SectionAxes, M: Floats) -> Floats:
         """See `DistributedCouple.couple_change`: the field turns against the section, dB = B x dw."""
-        return self.hat_p @ hat(axes.local(self.field))
+        return self.hat_p @ hat(axes.local(self.field).T)
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`."""
