@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 from copy import copy
 from itertools import groupby
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +106,7 @@ class EffectAssembly:
             with self.counters.effect(name):
                 for effect, slots in effects:
                     e = blocks_of(q, effect.dofs)
-                    if isinstance(effect, SparseEffect) and not self.differences:
+                    if self._is_sparse(effect):
                         Q, K = effect.force_and_entries(e)
                     else:
                         Q, K = effect.force_and_tangent(e)
@@ -125,7 +126,10 @@ class EffectAssembly:
         if effect.coupled or isinstance(effect, DeadLoad):
             return np.empty(0, dtype=np.intp)
         slots = pattern.block_slots(effect.dofs).ravel()
-        return slots[effect.entries] if isinstance(effect, SparseEffect) and not self.differences else slots
+        return slots[effect.entries] if self._is_sparse(effect) else slots
+
+    def _is_sparse(self, effect: Effect) -> TypeGuard[SparseEffect]:
+        return isinstance(effect, SparseEffect) and not effect.coupled and not self.differences
 
     def potential(self, q: Floats, load_factor: float) -> float | None:
         """Potential [J] at q (n,); None when an effect has none."""

@@ -36,11 +36,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.rotation import hat
-
 Floats = NDArray[np.float64]
 
-_TWICE_ROUND = np.array([0, 1, 2, 0, 1])  # components of a, so that a[1:4], a[2:5] are its cycles
+TWICE_ROUND = np.array([0, 1, 2, 0, 1])  # components of a, so that a[1:4], a[2:5] are its cycles
 Y, Z, N = 0, 1, 2
 
 
@@ -101,7 +99,7 @@ def section_map(N: Floats, W: Floats) -> tuple[Floats, Floats]:
 
 def cross(a: Floats, b: Floats) -> Floats:
     """Products a x b (3, p) of vectors (3, p)."""
-    a, b = a.take(_TWICE_ROUND, 0), b.take(_TWICE_ROUND, 0)
+    a, b = a.take(TWICE_ROUND, 0), b.take(TWICE_ROUND, 0)
     return a[1:4] * b[2:5] - a[2:5] * b[1:4]
 
 
