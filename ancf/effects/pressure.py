@@ -18,8 +18,6 @@ part of the section as far as stiffness goes: give the section that carries (an 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,9 +63,12 @@ class Chamber(SparseEffect):
         _, first, kind = np.unique(alike, axis=0, return_index=True, return_inverse=True)
         nodal = self.dofs.shape[1] // 3
         self.l, self.m = np.triu_indices(nodal, 1)
-        # One run of elements after the other: (elements, A_lmn of the pairs l < m).
+        # Of elements that are alike: which they are, and 2 A_lmn of the pairs l < m (pairs, nodal).
         self.groups = [
-            (np.flatnonzero(kind.ravel() == index), _alternating(model, T, *pieces[row])[self.l, self.m])
+            (
+                np.flatnonzero(kind.ravel() == index),
+                2.0 * _alternating(model, T, *pieces[row])[self.l, self.m],
+            )
             for index, row in enumerate(first)
         ]
         self.entries = np.concatenate([self._entries(rows) for rows, _ in self.groups])
@@ -82,45 +83,44 @@ class Chamber(SparseEffect):
                 found.append((nd * row + column)[..., None] + nd * nd * rows)  # pairs, components, elements
         return np.concatenate(found, axis=None)
 
-    def _parts(self, e: Floats) -> Iterator[tuple[NDArray[np.intp], Floats, Floats]]:
-        """Elements that are alike, A of their pairs (pairs, nodal), their vectors (nodal, 3, elements)."""
-        for rows, A in self.groups:
-            yield rows, A, np.ascontiguousarray(e.take(rows, 0).transpose(1, 2, 0))
-
-    def _slope(self, A: Floats, e: Floats) -> Floats:
+    def _slope(self, twice_A: Floats, e: Floats) -> Floats:
         """dV_c/de = 2 sum_l<m A_lmn e_l x e_m (m, nodal, 3) of alike elements, e (nodal, 3, m)."""
         twice = e.take(TWICE_ROUND, 1)
         a, b = twice.take(self.l, 0), twice.take(self.m, 0)
         products = a[:, 1:4] * b[:, 2:5] - a[:, 2:5] * b[:, 1:4]
-        slope = (2.0 * A.T) @ products.reshape(len(products), -1)
+        slope = twice_A.T @ products.reshape(len(products), -1)
         return slope.reshape(e.shape).transpose(2, 0, 1)
 
     def volume(self, e: Floats) -> float:
         """Volume of the chamber [m3]."""
-        return sum(float(np.sum(e[rows] * self._slope(A, part))) for rows, A, part in self._parts(e)) / 3.0
+        slopes = ((e[rows], self._slope(twice_A, _by_vectors(e, rows))) for rows, twice_A in self.groups)
+        return sum(float(np.sum(part * slope)) for part, slope in slopes) / 3.0
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         Q = np.empty(e.shape)
-        for rows, A, part in self._parts(e):
-            Q[rows] = self.value * self._slope(A, part)
+        for rows, twice_A in self.groups:
+            Q[rows] = self.value * self._slope(twice_A, _by_vectors(e, rows))
         return Q
 
     def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
         """See `SparseEffect.force_and_entries`; symmetric."""
         Q, found = np.empty(e.shape), []
-        for rows, A, part in self._parts(e):
-            Q[rows] = self.value * self._slope(A, part)
-            u = (2.0 * self.value * A) @ part.reshape(len(part), -1)
-            values = np.empty((4, *u.shape))
-            values[:2] = u
-            np.negative(values[:2], out=values[2:])
-            found.append(values)
-        return Q, np.concatenate(found, axis=None) if len(found) > 1 else found[0]
+        for rows, twice_A in self.groups:
+            part = _by_vectors(e, rows)
+            Q[rows] = self.value * self._slope(twice_A, part)
+            u = (self.value * twice_A) @ part.reshape(len(part), -1)
+            found += [u, u, -u, -u]
+        return Q, np.concatenate(found, axis=None)
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`: V = -p V_c."""
         return -self.value * self.volume(e)
+
+
+def _by_vectors(e: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Nodal vectors (nodal, 3, m) of some elements."""
+    return np.ascontiguousarray(e.take(rows, 0).transpose(1, 2, 0))
 
 
 def _alternating(model: RodModel, T: Floats, begin: float, end: float, first: float, last: float) -> Floats:

@@ -25,6 +25,8 @@ from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
 
+IDENTITY = np.eye(3)
+
 
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """Tendons of given tension of the scene."""
@@ -76,7 +78,7 @@ class PulledTendon(SparseEffect):
         """See `SparseEffect.force_and_entries`; symmetric."""
         t, stretch = self.path.tangents(e)
         along = t[..., None] * t[..., None, :]
-        across = (np.eye(3) - along) * (-self.tension / stretch)[..., None, None]
+        across = (IDENTITY - along) * (-self.tension / stretch)[..., None, None]
         return -self.tension * self.path.pull(t), self._pairs.entries_of(across)
 
     def potential(self, e: Floats) -> float | None:
