@@ -219,7 +219,9 @@ def _newton(engine: str, deadline: float) -> Callable[[Model, BatchLoads, Floats
 def _model(scene: Scene, loads: BatchLoads) -> Model:
     """The model of a scene for all batches in which the same of its loads act; made once."""
     known = _models.setdefault(scene, {})
-    acting = tuple(bool(np.any(load.value)) for load in (*loads.scene.moments, *loads.scene.forces))
+    largest = loads.scene
+    values = [load.value for load in (*largest.moments, *largest.forces)]
+    acting = tuple(bool(np.any(value)) for value in (*values, *(t.tension for t in largest.pulled_tendons)))
     if acting not in known:
         known[acting] = prepare(loads.scene)
     return known[acting]

@@ -42,12 +42,13 @@ def solve_in_waves(
 def dear_starts(model: Model) -> bool:
     """Whether the scene has more than moments, under which no start is known in closed form."""
     scene = model.scene
-    acting = any(np.any(load.value) for load in (*scene.forces, *scene.line_loads, *scene.line_moments))
-    return (
-        acting
-        or scene.held_on_the_way
-        or bool(scene.gravity or scene.tendons or scene.pressures or scene.added)
-    )
+    values = [
+        load.value for load in (*scene.forces, *scene.line_loads, *scene.line_moments, *scene.pressures)
+    ]
+    values += [] if scene.gravity is None else [scene.gravity.acceleration]
+    values += [tendon.tension for tendon in scene.pulled_tendons]
+    acting = any(np.any(value) for value in values)
+    return acting or scene.held_on_the_way or bool(scene.controlled_tendons or scene.added)
 
 
 def _waves(count: int, dear: bool) -> Iterator[Indices]:

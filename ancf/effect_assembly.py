@@ -9,14 +9,14 @@ from __future__ import annotations
 import importlib
 from copy import copy
 from itertools import groupby
-from operator import attrgetter
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effects import Effect, blocks_of
+from ancf.effects import DeadLoad, Effect, SparseEffect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
@@ -25,7 +25,6 @@ from ancf.scene_effects import EFFECT_MODULES
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-RUN = 64  # blocks whose entries are added at once: what they touch of the band stays in the cache
 
 
 def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
@@ -61,23 +60,28 @@ class EffectAssembly:
     def __init__(
         self, effects: list[Effect], pattern: BandPattern, unit: Floats, differences: bool, counters: Counters
     ) -> None:
-        self.effects = effects
         self.unit = unit
         self.differences = differences
         self.counters = counters
-        self.runs = [_runs(pattern, effect) for effect in effects]
+        self.slots = [self._slots(pattern, effect) for effect in effects]
+        self._take(effects)
+
+    def _take(self, effects: list[Effect]) -> None:
+        self.effects = effects
+        pairs = groupby(zip(effects, self.slots, strict=True), key=lambda pair: pair[0].name)
+        self._kinds = [(name, list(group)) for name, group in pairs]
 
     def of(self, effects: list[Effect]) -> EffectAssembly:
         """The same for effects that differ in their values only."""
         other = copy(self)
-        other.effects = effects
+        other._take(effects)
         return other
 
     def forces(self, Q_int: Floats, Q_ext: Floats, q: Floats) -> None:
         """Add the forces at q (n,)."""
-        for name, effects in groupby(self.effects, key=attrgetter("name")):
+        for name, effects in self._kinds:
             with self.counters.effect(name):
-                for effect in effects:
+                for effect, _ in effects:
                     _add(Q_int, Q_ext, effect, effect.force(blocks_of(q, effect.dofs)))
 
     def terms(
@@ -85,11 +89,14 @@ class EffectAssembly:
     ) -> list[Floats]:
         """Add forces and tangents at q (n,) to the band `flat`; returns the entries of the coupled blocks."""
         coupled = []
-        for name, pairs in groupby(zip(self.effects, self.runs, strict=True), key=lambda pair: pair[0].name):
+        for name, effects in self._kinds:
             with self.counters.effect(name):
-                for effect, runs in pairs:
+                for effect, slots in effects:
                     e = blocks_of(q, effect.dofs)
-                    Q, K = effect.force_and_tangent(e)
+                    if self._is_sparse(effect):
+                        Q, K = effect.force_and_entries(e)
+                    else:
+                        Q, K = effect.force_and_tangent(e)
                     _add(Q_int, Q_ext, effect, Q)
                     if K is not None and self.differences:
                         K = difference_tangent(effect.force, e, blocks_of(self.unit, effect.dofs))
@@ -98,10 +105,18 @@ class EffectAssembly:
                         m, nd = effect.dofs.shape
                         coupled.append(np.zeros(m * nd * nd) if K is None else -share * K.ravel())
                     elif K is not None:
-                        for run, begin, places in runs:
-                            entries = np.bincount(places, K[run].ravel())
-                            flat[begin : begin + len(entries)] -= share * entries
+                        np.subtract.at(flat, slots, K.ravel() if share == 1.0 else share * K.ravel())
         return coupled
+
+    def _slots(self, pattern: BandPattern, effect: Effect) -> Indices:
+        """Places in the band of the entries that an effect gives."""
+        if effect.coupled or isinstance(effect, DeadLoad):
+            return np.empty(0, dtype=np.intp)
+        slots = pattern.block_slots(effect.dofs).ravel()
+        return slots[effect.entries] if self._is_sparse(effect) else slots
+
+    def _is_sparse(self, effect: Effect) -> TypeGuard[SparseEffect]:
+        return isinstance(effect, SparseEffect) and not effect.coupled and not self.differences
 
     def potential(self, q: Floats, load_factor: float) -> float | None:
         """Potential [J] at q (n,); None when an effect has none."""
@@ -114,19 +129,9 @@ class EffectAssembly:
         return total
 
 
-def _runs(pattern: BandPattern, effect: Effect) -> list[tuple[slice, int, Indices]]:
-    """Runs of the blocks of an effect: where each begins in the band, and the places of its entries there."""
-    found: list[tuple[slice, int, Indices]] = []
-    for first in range(0, 0 if effect.coupled else len(effect.dofs), RUN):
-        run = slice(first, first + RUN)
-        places = pattern.block_slots(effect.dofs[run]).ravel()
-        begin = int(places.min())
-        found.append((run, begin, places - begin))
-    return found
-
-
 def _add(Q_int: Floats, Q_ext: Floats, effect: Effect, Q: Floats) -> None:
+    # On flat arrays `at` is as fast as any other way to add to places that may repeat.
     if effect.passive:
-        add_blocks(Q_int, effect.dofs, -Q)
+        np.subtract.at(Q_int, effect.dofs.ravel(), Q.ravel())
     else:
-        add_blocks(Q_ext, effect.dofs, Q)
+        np.add.at(Q_ext, effect.dofs.ravel(), Q.ravel())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from ancf.elements import ELEMENTS
 from ancf.scene import Rod, Scene
 
@@ -38,7 +40,9 @@ def sections_are_held(scene: Scene, rod: Rod) -> bool:
     0.14 R (nu = 0.49); the paper's moment takes it along.
     """
     clamped = any(support.kind == "clamp" for support in rod.supports)
-    return clamped or any(m.rod == rod.name and m.definition == "vorticity" for m in scene.moments)
+    return clamped or any(
+        m.rod == rod.name and m.definition == "vorticity" and np.any(m.value) for m in scene.moments
+    )
 
 
 def choose(errors: Mapping[str, float], wanted: float) -> str:

@@ -37,6 +37,8 @@ Floats = NDArray[np.float64]
 # with AVX-512, against 27 000 with 4), 4 take little more than half their time for a single row. Each is
 # compiled when it is first needed.
 FEW, MANY = 4, 8
+# Rows of `Scratch.signs`: positive at a minimum of the potential; without one, at what may be stable.
+LEAST_MINOR, DETERMINANT = 0, 1
 # Fraction of the length within which a load stands on an element boundary.
 ON_BOUNDARY = 1e-9
 
@@ -47,6 +49,7 @@ class Problem(NamedTuple):
     moments: Floats  # (B, moments, 3) N m
     forces: Floats  # (B, forces, 3) N
     starts: Floats  # (0, 1 or B, n) dimensionless
+    sign: NDArray[np.int64]  # (B,) which of `Scratch.signs` tells that a row is stable
     tolerance: float
     floor: float
     max_iterations: int
@@ -178,10 +181,15 @@ def problem_of(
         starts = np.empty((0, model.n))
     else:
         starts = np.array([model.admissible(q) for q in np.atleast_2d(start)]) / model.unit
+    moments, forces = (np.ascontiguousarray(values, dtype=float) for values in (moments, forces))
+    follows = [force.direction == "follower" for force in model.scene.forces]
+    # As `Model.conservative` of the row: a load of value zero does not count.
+    turned = np.any(moments, axis=(1, 2)) | np.any(forces[:, follows], axis=(1, 2))
     return Problem(
-        np.ascontiguousarray(moments, dtype=float),
-        np.ascontiguousarray(forces, dtype=float),
+        moments,
+        forces,
         starts,
+        np.where(turned, DETERMINANT, LEAST_MINOR),
         model.scene.solver.tolerance if tolerance is None else float(tolerance),
         floor,
         max_iterations,

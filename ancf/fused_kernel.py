@@ -271,7 +271,7 @@ def _solve(problem, found, mesh, elastic, projectors, loads, start, at, state, m
             for lane in range(lanes):
                 if status[lane] == CANDIDATE:
                     residual = largest(memory, at.g, mesh.free, lane)
-                    sign = memory[at.signs + (0 if len(loads.node) == 0 else 1), lane]
+                    sign = memory[at.signs + problem.sign[sample[lane]], lane]
                     sound = memory[at.node, lane] > SMALLEST_VOLUME and sign > 0.0
                     status[lane] = after_check(lane, residual, sound, state, problem)
         for lane in range(lanes):

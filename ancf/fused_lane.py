@@ -91,7 +91,7 @@ def solve_lane(
         if status == CANDIDATE:
             smallest = right_hand_side(w, mesh, elastic, projectors, loads, nv)
             residual = largest(memory, at.g, mesh.free, lane)
-            sound = smallest > SMALLEST_VOLUME and w.signs[0 if len(loads.node) == 0 else 1] > 0.0
+            sound = smallest > SMALLEST_VOLUME and w.signs[problem.sign[sample]] > 0.0
             status = after_check(lane, residual, sound, state, problem)
         if status != RUNNING:
             found.converged[sample] = status == CONVERGED

@@ -257,6 +257,7 @@ class Model:
         model.effects = load_effects(scene, self.rods)
         model.constraints = model._constraints_of(scene)
         model._effect_sums = self._effect_sums.of(model.effects)
+        vars(model).pop("conservative", None)  # by the values
         for made in ("settling", "system") if self.settling else ():  # their state belongs to one model
             vars(model).pop(made, None)
         return model
@@ -270,7 +271,10 @@ class Model:
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum."""
+        """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum.
+
+        By the values of the loads: a moment of value zero does not count.
+        """
         return self._effect_sums.potential(self.q0, 0.0) is not None
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:

@@ -55,7 +55,7 @@ def load_start(model: Model, deadline: float = np.inf) -> Floats | None:
         moments = [m for m in model.scene.moments if m.rod == rod.rod.name and np.any(m.value)]
         loads = nodal_loads(model.scene, rod)
         actuation = _actuation(model.scene, rod, pulls)
-        spread = any(load.rod == rod.rod.name for load in model.scene.line_moments)
+        spread = any(m.rod == rod.rod.name and np.any(m.value) for m in model.scene.line_moments)
         frames, axial_strain = None if spread else _frames_by_moments(rod, moments), None
         if loads.forces or actuation.any() or ((moments or spread) and frames is None):
             chain = _chain(rod)

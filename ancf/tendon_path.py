@@ -55,7 +55,7 @@ class TendonPath:
     def tangents(self, e: Floats) -> tuple[Floats, Floats]:
         """t (m, points, 3) and |c'| (m, points) at the nodal vectors e (m, nodal, 3)."""
         c = self.a @ e
-        stretch = np.linalg.norm(c, axis=-1)
+        stretch = np.sqrt(np.add.reduce(c * c, -1))
         return c / stretch[..., None], stretch
 
     def length(self, e: Floats) -> float:
@@ -65,7 +65,7 @@ class TendonPath:
     @cached_property
     def _weighted(self) -> Floats:
         """a^T times the weights (m, nodal, points)."""
-        return np.swapaxes(self.weight[..., None] * self.a, 1, 2)
+        return np.ascontiguousarray(np.swapaxes(self.weight[..., None] * self.a, 1, 2))
 
     @cached_property
     def _pairs(self) -> Floats:
@@ -76,7 +76,11 @@ class TendonPath:
     def slope(self, e: Floats, share: Floats | float = 1.0) -> Floats:
         """dl/de (m, nodal, 3), points counted by a share (m, points)."""
         t, _ = self.tangents(e)
-        return self._weighted @ (t * np.asarray(share)[..., None])
+        return self.pull(t * np.asarray(share)[..., None])
+
+    def pull(self, t: Floats) -> Floats:
+        """int a t^T dx (m, nodal, 3) of vectors t (m, points, 3)."""
+        return self._weighted @ t
 
     def bend(self, e: Floats, share: Floats | float = 1.0) -> Floats:
         """d2l/de2 (m, nd, nd), points counted by a share (m, points)."""

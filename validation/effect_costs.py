@@ -22,9 +22,10 @@ from ancf.scene import Scene
 HERE = Path(__file__).parent
 # The scenes of the interface; the examples are there in a checkout only.
 FOLDERS = (HERE / "contract_scenes", HERE.parent / "examples")
-ELEMENTS = (12, 200)
+ELEMENTS = (8, 16, 200)
 ASKED = 0.2  # of the elastic assembly, which an effect may cost (issue "effects", numbers)
-REPEATS = {12: 30, 200: 10}
+LARGE = 2**21
+REPEATS = {8: 30, 16: 30, 200: 15}
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,7 @@ ALONE: dict[str, dict[str, Any]] = {
 
 def effect_costs() -> Iterator[EffectCost]:
     """Every effect alone, on a coarse and a fine mesh."""
+    np.zeros(LARGE)  # freed at once: from then on arrays of this size are kept, and not fetched page by page
     for count in ELEMENTS:
         for name, tables in ALONE.items():
             yield measure(name, one_rod(count, tables), REPEATS[count])

@@ -19,13 +19,18 @@ def blocks_of(q: Floats, dofs: NDArray[np.intp]) -> Floats:
     return q[dofs].reshape(len(dofs), dofs.shape[1] // 3, 3)
 
 
+def without_potential(value: NDArray[np.float64] | float) -> float | None:
+    """`Effect.potential` of a load that has none unless its value is zero."""
+    return None if np.any(value) else 0.0
+
+
 class Effect(ABC):
     """What the solver asks of an effect.
 
     `dofs` (m, nd) are the unknowns of its m blocks; `force` and `force_and_tangent` take the nodal vectors of
     the blocks e (m, nd / 3, 3) and return the generalised force Q (m, nd / 3, 3) at load factor 1 and
     dQ/de (m, nd, nd), None where Q is constant. `potential` returns V [J] with Q = -dV/de, or None where the
-    effect has none.
+    effect has none; a load of value zero has V = 0, as if it were not listed (`without_potential`).
     """
 
     name: str
@@ -68,6 +73,29 @@ class Effect(ABC):
     def report(self, e: Floats) -> dict[str, Any]:
         """What there is to tell in the result (passive_reports.py), plain Python."""
         return {}
+
+
+class SparseEffect(Effect):
+    """An effect on few of the nodal vectors, or few pairs of them: most of dQ/de is zero.
+
+    Attributes
+    ----------
+    entries : (k,) places of the other entries in the blocks dQ/de (m, nd, nd), flattened; each once
+    """
+
+    entries: NDArray[np.intp]
+
+    @abstractmethod
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """Q (m, nd / 3, 3) and the entries of dQ/de (k values)."""
+
+    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `Effect.force_and_tangent`."""
+        Q, values = self.force_and_entries(e)
+        m, nd = self.dofs.shape
+        K = np.zeros(m * nd * nd)
+        K[self.entries] = values.ravel()
+        return Q, K.reshape(m, nd, nd)
 
 
 class DeadLoad(Effect):

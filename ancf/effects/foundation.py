@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import Effect
+from ancf.effects import Effect, SparseEffect
 from ancf.mesh import reference_axis
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.scene import Foundation, Scene
+from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return [ElasticFoundation(models[bed.rod], bed) for bed in scene.foundations]
 
 
-class ElasticFoundation(Effect):
+class ElasticFoundation(SparseEffect):
     """A bed of springs; blocks are the elements on it."""
 
     name = "foundation"
@@ -56,15 +57,16 @@ class ElasticFoundation(Effect):
         size = 3 * self.N.shape[-1]
         K = np.einsum("mpi,mpj,mpab->miajb", self.N, self.N, self.k, optimize=True)
         self.K = -K.reshape(len(K), size, size)
+        self.entries = VectorPairs(self.N, self.N).entries
+        self.values = self.K.ravel()[self.entries]
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
-        u = self.N @ (e - self.e_0)
-        return -np.einsum("mpn,mpab,mpb->mna", self.N, self.k, u)
+        return (self.K @ (e - self.e_0).reshape(len(e), -1, 1)).reshape(e.shape)
 
-    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
-        """See `Effect.force_and_tangent`; symmetric."""
-        return self.force(e), self.K
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `SparseEffect.force_and_entries`; symmetric and constant."""
+        return self.force(e), self.values
 
     def potential(self, e: Floats) -> float:
         """See `Effect.potential`."""

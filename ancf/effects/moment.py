@@ -1,9 +1,8 @@
 r"""Point moment on a section, in two definitions, fixed in space or following the section.
 
-Section (default): conjugate to the spin of the polar rotation R of the section (rotation.py),
+Section (default): conjugate to the spin of the polar rotation R of the section (section_spin.py),
 
-    Q_k = mu x (R W_k),   mu = G^-1 M,   dmu = G^-1 (dM - dG mu),   dG = tr(dV) I - dV,
-    dV = sum_k dd_k (R W_k)^T - V hat(dw),   dw = G^-1 sum_k (R W_k) x dd_k.
+    Q_k = mu x (R W_k),   mu = G^-1 M,   dw = G^-1 sum_k (R W_k) x dd_k.
 
 Then sum_k d_k x Q_k = M and the power is M . w, both exactly.
 
@@ -21,10 +20,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import Effect
+from ancf.effects import Effect, without_potential
 from ancf.rod_model import RodModel, SectionPoint
 from ancf.rotation import SectionRotation, hat, section_rotation
 from ancf.scene import Scene
+from ancf.section_couples import SectionMoments
 
 Floats = NDArray[np.float64]
 
@@ -49,15 +49,29 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return effects
 
 
-class _PointMoment(Effect):
+class SectionMoment(SectionMoments):
+    """Moment [N m] conjugate to the spin of the section's polar rotation."""
+
     name = "moment"
 
     def __init__(self, point: SectionPoint, value: Floats, follower: bool) -> None:
+        section = (point.dofs[None], point.N[None, None], point.W[None, None])
+        super().__init__(*section, np.ones((1, 1)), value, follower)
+        self.point = point
+
+
+class VorticityMoment(Effect):
+    """The paper's moment: conjugate to the vorticity of the material at the point."""
+
+    name = "moment"
+
+    def __init__(self, point: SectionPoint, value: Floats, follower: bool, linear: list[int]) -> None:
         self.dofs = point.dofs[None]
         self.point = point
-        self.to_directors = np.kron(point.N, np.eye(3))  # (3 directors, 3 nodal)
         self.value = value  # (3,) N m, SCS, at the reference
         self.follower = follower
+        # Map (3, nodal) from nodal vectors to r_x, r_y, r_z on the axis.
+        self.to_gradient = np.stack([point.N_x[0], *(point.N[k] for k in linear)])
 
     def _rotation(self, e: Floats) -> SectionRotation:
         return section_rotation(self.point.N @ e[0], self.point.W)
@@ -65,37 +79,9 @@ class _PointMoment(Effect):
     def _moment(self, rotation: SectionRotation) -> Floats:
         return rotation.R @ self.value if self.follower else self.value
 
-    def potential(self, e: Floats) -> None:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: a moment in space has none."""
-        return
-
-
-class SectionMoment(_PointMoment):
-    """Moment conjugate to the spin of the section's polar rotation."""
-
-    def force(self, e: Floats) -> Floats:
-        """See `Effect.force`."""
-        rotation = self._rotation(e)
-        return (self.point.N.T @ rotation.couple(self._moment(rotation)))[None]
-
-    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
-        """See `Effect.force_and_tangent`; unsymmetric."""
-        rotation = self._rotation(e)
-        M = self._moment(rotation)
-        dw = rotation.spin().reshape(3, -1)
-        dM = -hat(M) @ dw if self.follower else 0.0
-        Q = self.point.N.T @ rotation.couple(M)
-        K = self.to_directors.T @ rotation.couple_tangent(M, dM, dw) @ self.to_directors
-        return Q[None], K[None]
-
-
-class VorticityMoment(_PointMoment):
-    """The paper's moment: conjugate to the vorticity of the material at the point."""
-
-    def __init__(self, point: SectionPoint, value: Floats, follower: bool, linear: list[int]) -> None:
-        super().__init__(point, value, follower)
-        # Map (3, nodal) from nodal vectors to r_x, r_y, r_z on the axis.
-        self.to_gradient = np.stack([point.N_x[0], *(point.N[k] for k in linear)])
+        return without_potential(self.value)
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""

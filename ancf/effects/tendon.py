@@ -12,15 +12,20 @@ A tendon of controlled length is a constraint (tendon_length.py), its tension th
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.effects import Effect
+from ancf.effects import Effect, SparseEffect
 from ancf.rod_model import RodModel
 from ancf.scene import Scene, Tendon
 from ancf.tendon_path import TendonPath
+from ancf.vector_pairs import VectorPairs
 
 Floats = NDArray[np.float64]
+
+IDENTITY = np.eye(3)
 
 
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
@@ -37,7 +42,7 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     return found
 
 
-class PulledTendon(Effect):
+class PulledTendon(SparseEffect):
     """A tendon of given tension."""
 
     name = "tendon"
@@ -56,13 +61,25 @@ class PulledTendon(Effect):
         """Share of the tension at the last point of the path."""
         return 1.0
 
+    @cached_property
+    def _pairs(self) -> VectorPairs:
+        return VectorPairs(self.path.weight[..., None] * self.path.a, self.path.a)
+
+    @cached_property
+    def entries(self) -> NDArray[np.intp]:  # type: ignore[override]
+        """See `SparseEffect`: of the nodal vectors that move the path."""
+        return self._pairs.entries
+
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         return -self.tension * self.path.slope(e)
 
-    def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
-        """See `Effect.force_and_tangent`; symmetric."""
-        return self.force(e), -self.tension * self.path.bend(e)
+    def force_and_entries(self, e: Floats) -> tuple[Floats, Floats]:
+        """See `SparseEffect.force_and_entries`; symmetric."""
+        t, stretch = self.path.tangents(e)
+        along = t[..., None] * t[..., None, :]
+        across = (IDENTITY - along) * (-self.tension / stretch)[..., None, None]
+        return -self.tension * self.path.pull(t), self._pairs.entries_of(across)
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: V = T l."""

@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ancf.effects import without_potential
 from ancf.effects.tendon import PulledTendon
 from ancf.rod_model import RodModel
 from ancf.scene import Tendon
@@ -122,6 +123,6 @@ class RubbingTendon(PulledTendon):
             np.add.at(rates, (rows, self.places[self.piece_of[one]]), each.reshape(len(each), -1))
         return rates
 
-    def potential(self, e: Floats) -> None:
-        """Friction has no potential."""
-        return
+    def potential(self, e: Floats) -> float | None:
+        """See `Effect.potential`: friction has none."""
+        return without_potential(self.tension)

@@ -8,17 +8,17 @@ import numpy as np
 from markupsafe import Markup
 
 from validation.effect_costs import ASKED, EffectCost
-from validation.report.style import GREEN, INK, SKY, new_figure, to_svg
+from validation.report.style import GREEN, INK, ORANGE, SKY, new_figure, to_svg
 
 
 def cost_bars(costs: Sequence[EffectCost]) -> Markup:
-    """A pair of bars for each effect, by the number of elements, with the limit that was asked for."""
+    """Bars for each effect, by the number of elements, with the limit that was asked for."""
     names = list(dict.fromkeys(cost.effect for cost in costs))
     meshes = list(dict.fromkeys(cost.elements for cost in costs))
-    figure = new_figure(7.2, 0.8 + 0.36 * len(names))
+    figure = new_figure(7.2, 0.8 + 0.18 * len(names) * len(meshes))
     ax = figure.subplots()
     height = 0.8 / len(meshes)
-    for index, (mesh, colour) in enumerate(zip(meshes, (SKY, GREEN), strict=False)):
+    for index, (mesh, colour) in enumerate(zip(meshes, (ORANGE, SKY, GREEN), strict=False)):
         found = {cost.effect: cost.ratio for cost in costs if cost.elements == mesh}
         y = np.arange(len(names)) + (index - 0.5 * (len(meshes) - 1)) * height
         ax.barh(
