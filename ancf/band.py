@@ -49,9 +49,9 @@ class BandPattern:
         Where step < size, neighbouring blocks share entries.
         """
         column, item = 3 * self.b + 1, flat.itemsize
-        begin = flat[first * column + 2 * self.b :]
         strides = (step * column * item, item, (column - 1) * item)
-        return np.lib.stride_tricks.as_strided(begin, (count, size, size), strides)
+        begin = (first * column + 2 * self.b) * item
+        return np.ndarray((count, size, size), flat.dtype, flat, begin, strides)
 
     @property
     def entries(self) -> int:

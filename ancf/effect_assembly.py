@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import importlib
 from copy import copy
+from functools import cached_property
 from itertools import groupby
 from operator import attrgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,9 @@ from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
+
+if TYPE_CHECKING:
+    from ancf.mirror_system import Parity
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -70,16 +75,23 @@ class EffectAssembly:
     ----------
     unit : (n,) unit of each unknown
     differences : tangents by finite differences (the paper's) instead of the effects' own
+    side : the unknowns of one parity, on which the tangents are wanted instead (mirror_system.py)
     """
 
     def __init__(
-        self, effects: list[Effect], pattern: BandPattern, unit: Floats, differences: bool, counters: Counters
+        self,
+        effects: list[Effect],
+        pattern: BandPattern,
+        unit: Floats,
+        differences: bool,
+        counters: Counters,
+        side: Parity | None = None,
     ) -> None:
         self.effects = effects
         self.unit = unit
         self.differences = differences
         self.counters = counters
-        self.runs = [_runs(pattern, effect) for effect in effects]
+        self.places = [_Places(pattern, effect, side) for effect in effects]
 
     def of(self, effects: list[Effect]) -> EffectAssembly:
         """The same for effects that differ in their values only."""
@@ -99,9 +111,9 @@ class EffectAssembly:
     ) -> list[Floats]:
         """Add forces and tangents at q (n,) to the band `flat`; returns the entries of the coupled blocks."""
         coupled = []
-        for name, pairs in groupby(zip(self.effects, self.runs, strict=True), key=lambda pair: pair[0].name):
+        for name, pairs in groupby(zip(self.effects, self.places, strict=True), lambda pair: pair[0].name):
             with self.counters.effect(name):
-                for effect, runs in pairs:
+                for effect, places in pairs:
                     e = blocks_of(q, effect.dofs)
                     Q, K = effect.force_and_tangent(e)
                     _add(Q_int, Q_ext, effect, Q)
@@ -112,9 +124,7 @@ class EffectAssembly:
                         m, nd = effect.dofs.shape
                         coupled.append(np.zeros(m * nd * nd) if K is None else -share * K.ravel())
                     elif K is not None:
-                        for run, begin, places in runs:
-                            entries = np.bincount(places, K[run].ravel())
-                            flat[begin : begin + len(entries)] -= share * entries
+                        places.subtract(flat, share, K)
         return coupled
 
     def potential(self, q: Floats, load_factor: float) -> float | None:
@@ -128,15 +138,38 @@ class EffectAssembly:
         return total
 
 
-def _runs(pattern: BandPattern, effect: Effect) -> list[tuple[slice, int, Indices]]:
-    """Runs of the blocks of an effect: where each begins in the band, and the places of its entries there."""
-    found: list[tuple[slice, int, Indices]] = []
-    for first in range(0, 0 if effect.coupled else len(effect.dofs), RUN):
-        run = slice(first, first + RUN)
-        places = pattern.block_slots(effect.dofs[run]).ravel()
-        begin = int(places.min())
-        found.append((run, begin, places - begin))
-    return found
+class _Places:
+    """Where the tangent blocks of one effect go; found when the first ones come, as dead loads have none."""
+
+    def __init__(self, pattern: BandPattern, effect: Effect, side: Parity | None) -> None:
+        self.pattern = pattern
+        self.effect = effect
+        self.side = side
+
+    @cached_property
+    def _map(self) -> tuple[Floats | None, Indices]:
+        """F on one block (nd, m), None: all of its unknowns are wanted; and the unknowns (blocks, m)."""
+        return (None, self.effect.dofs) if self.side is None else self.side.blocks_of(self.effect.dofs)
+
+    @cached_property
+    def _runs(self) -> list[tuple[slice, int, Indices]]:
+        """Runs of the blocks: where each begins in the band, and the places of its entries there."""
+        dofs = self._map[1]
+        found: list[tuple[slice, int, Indices]] = []
+        for first in range(0, len(dofs), RUN):
+            run = slice(first, first + RUN)
+            places = self.pattern.block_slots(dofs[run]).ravel()
+            begin = int(places.min())
+            found.append((run, begin, places - begin))
+        return found
+
+    def subtract(self, flat: Floats, share: float, K: Floats) -> None:
+        """Subtract a share of the blocks K (m, nd, nd), F^T K F of a parity, from the band."""
+        F, _ = self._map
+        for run, begin, places in self._runs:
+            block = K[run] if F is None else F.T @ K[run] @ F
+            entries = np.bincount(places, block.ravel())
+            flat[begin : begin + len(entries)] -= share * entries
 
 
 def _add(Q_int: Floats, Q_ext: Floats, effect: Effect, Q: Floats) -> None:

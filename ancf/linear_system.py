@@ -64,11 +64,34 @@ class LinearSystem:
         return np.clip(np.arange(n)[:, None] + np.arange(-2 * b, b + 1), 0, n - 1).ravel()
 
     @cached_property
+    def _held(self) -> Indices:
+        """Unknowns that supports hold as a whole."""
+        found = [s.dofs[s.held] for s in self.supports if s.held is not None]
+        return np.concatenate(found) if found else np.empty(0, np.intp)
+
+    @cached_property
+    def _oblique(self) -> list[NodeSupport]:
+        """Supports that hold combinations of unknowns."""
+        return [s for s in self.supports if s.held is None]
+
+    @cached_property
+    def _supported_scale(self) -> tuple[Floats, Indices]:
+        """`_scale`, 0 for rows and columns of unknowns that are held as a whole; their diagonal slots."""
+        b, n, held = self.pattern.b, self.pattern.n, self._held
+        scale = self._scale.copy()
+        scale.reshape(n, -1)[held] = 0.0
+        columns = held[:, None] + np.arange(-b, b + 1)
+        rows = np.broadcast_to(held[:, None], columns.shape)
+        inside = (columns >= 0) & (columns < n)
+        scale[self.pattern.slots(rows[inside], columns[inside])] = 0.0
+        return scale, self.pattern.slots(held, held)
+
+    @cached_property
     def _support_slots(self) -> list[tuple[Indices, Indices, Indices]]:
-        """Per support: slots of its columns, of its rows and of its diagonal block."""
+        """Per oblique support: slots of its columns, of its rows and of its diagonal block."""
         b, n = self.pattern.b, self.pattern.n
         found = []
-        for s in self.supports:
+        for s in self._oblique:
             near = np.arange(max(s.dofs[-1] - b, 0), min(s.dofs[0] + b, n - 1) + 1)
             columns = self.pattern.slots(near[:, None], s.dofs)
             rows = self.pattern.slots(s.dofs[:, None], near)
@@ -78,14 +101,17 @@ class LinearSystem:
     def project(self, vector: Floats) -> Floats:
         """The part of a vector (n,) or (n, k) that the supports leave free."""
         vector = vector.copy()
-        for s in self.supports:
+        vector[self._held] = 0.0
+        for s in self._oblique:
             vector[s.dofs] = s.projector @ vector[s.dofs]
         return vector
 
     def supported(self, flat: Floats) -> Floats:
         """The dimensionless tangent in flat band storage, 1 on the diagonal for what the supports hold."""
-        flat = flat * self._scale
-        for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
+        scale, held = self._supported_scale
+        flat = flat * scale
+        flat[held] = 1.0
+        for (columns, rows, diagonal), s in zip(self._support_slots, self._oblique, strict=True):
             flat[columns] = flat[columns] @ s.projector
             flat[rows] = s.projector @ flat[rows]
             flat[diagonal] += np.eye(len(s.dofs)) - s.projector

@@ -89,21 +89,16 @@ class Parity:
 
     def add_elements(self, flat: Floats, rod: MirrorUnknowns, K: Floats) -> None:
         """Add the tangents (n_el, m, m) of the elements of a rod to the flat band storage."""
-        count, m = rod.dofs.shape
-        step = m - rod.per_node
-        blocks = self.pattern.blocks(flat, rod.first, step, m, count)
+        count, m, _ = K.shape
+        blocks = self.pattern.blocks(flat, rod.first, m - rod.per_node, m, count)
         for start in (0, 1):  # neighbours share a node: every other element at once
             blocks[start::2] += K[start::2]
 
-    @cached_property
-    def of_effects(self) -> list[tuple[Floats, Indices]]:
-        """For each effect F on one of its blocks (nd, m), and the slots (blocks, m, m) of its tangents."""
-        found = []
-        for effect in self.model.effects:
-            first = int(effect.dofs[0, 0])
-            rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
-            found.append((rod.node.of_element, self.pattern.block_slots(rod.dofs_of(effect.dofs))))
-        return found
+    def blocks_of(self, dofs: Indices) -> tuple[Floats, Indices]:
+        """F on one block (nd, m) and the unknowns (blocks, m) of blocks of coordinates dofs on one rod."""
+        first = int(dofs[0, 0])
+        rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
+        return rod.node.of_element, rod.dofs_of(dofs)
 
 
 def _joined(parts: list[Floats]) -> Floats:

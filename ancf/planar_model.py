@@ -11,14 +11,13 @@ follow: `LeavesPlane`.
 
 from __future__ import annotations
 
-from itertools import groupby
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
-from ancf.effect_assembly import add_blocks
-from ancf.effects import blocks_of
+from ancf.effect_assembly import EffectAssembly, add_blocks
 from ancf.mirror_system import Parity, PlanarSystem
 from ancf.model import Model, Residual
 from ancf.planar_energy import PlanarEnergy
@@ -92,22 +91,18 @@ class PlanarModel(Model):
                 Q_e, K_e = elastic.force_and_tangent(u[rod.dofs], before)
                 add_blocks(Q_u, rod.dofs, Q_e)
                 side.add_elements(flat, rod, K_e)
-        Q_ext = self._add_loads(flat, side, q, load_factor)
-        return Residual(side.force_to_full(Q_u), Q_ext), flat
+        Q_int, Q_ext = side.force_to_full(Q_u), np.zeros(self.n)
+        self._tangents[0].terms(Q_int, Q_ext, flat, q, load_factor)
+        return Residual(Q_int, Q_ext), flat
 
-    def _add_loads(self, flat: Floats, side: Parity, q: Floats, load_factor: float) -> Floats:
-        """Add the load tangents of one parity to their flat band storage; Q_ext (n,) at factor 1."""
-        Q_ext = np.zeros(self.n)
-        for name, effects in groupby(
-            zip(self.effects, side.of_effects, strict=True), key=lambda pair: pair[0].name
-        ):
-            with self.counters.effect(name):
-                for effect, (basis, slots) in effects:
-                    Q_e, K_e = effect.force_and_tangent(blocks_of(q, effect.dofs))
-                    add_blocks(Q_ext, effect.dofs, Q_e)
-                    if K_e is not None:
-                        np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
-        return Q_ext
+    @cached_property
+    def _tangents(self) -> list[EffectAssembly]:
+        """The effects, with their tangents in the plane and across it."""
+        sides = (self.in_plane, self.across)
+        return [
+            EffectAssembly(self.effects, side.pattern, self.unit, False, self.counters, side)
+            for side in sides
+        ]
 
     def across_tangent(self, q: Floats, load_factor: float) -> Floats:
         """Tangent of the motions out of the plane at q (n,), in their flat band storage."""
@@ -117,7 +112,7 @@ class PlanarModel(Model):
         with self.counters.effect("elastic"):
             for rod, even, elastic in zip(side.rods, self.in_plane.rods, self._elastic, strict=True):
                 side.add_elements(flat, rod, elastic.odd_tangent(u[even.dofs]))
-        self._add_loads(flat, side, q, load_factor)
+        self._tangents[1].terms(np.zeros(self.n), np.zeros(self.n), flat, q, load_factor)
         return flat
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
