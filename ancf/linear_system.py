@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ancf.band import BandPattern, Factors, cholesky, factorise, is_positive_definite, negative_eigenvalues
@@ -53,9 +52,8 @@ class LinearSystem:
     @cached_property
     def _scale(self) -> Floats:
         """Factor of each band entry that makes the tangent dimensionless, 0 outside the matrix."""
-        b, n = self.pattern.b, self.pattern.n
-        left = np.concatenate([np.zeros(2 * b), 1.0 / self.force_unit[:n], np.zeros(b)])
-        return (sliding_window_view(left, 3 * b + 1) * self.unit[:n, None]).ravel()
+        n = self.pattern.n
+        return (self.pattern.of_rows(1.0 / self.force_unit[:n]) * self.unit[:n, None]).ravel()
 
     @cached_property
     def _rows(self) -> Indices:
@@ -77,14 +75,10 @@ class LinearSystem:
     @cached_property
     def _supported_scale(self) -> tuple[Floats, Indices]:
         """`_scale`, 0 for rows and columns of unknowns that are held as a whole; their diagonal slots."""
-        b, n, held = self.pattern.b, self.pattern.n, self._held
-        scale = self._scale.copy()
-        scale.reshape(n, -1)[held] = 0.0
-        columns = held[:, None] + np.arange(-b, b + 1)
-        rows = np.broadcast_to(held[:, None], columns.shape)
-        inside = (columns >= 0) & (columns < n)
-        scale[self.pattern.slots(rows[inside], columns[inside])] = 0.0
-        return scale, self.pattern.slots(held, held)
+        n, held = self.pattern.n, self._held
+        rows, columns = 1.0 / self.force_unit[:n], self.unit[:n].copy()
+        rows[held] = columns[held] = 0.0
+        return (self.pattern.of_rows(rows) * columns[:, None]).ravel(), self.pattern.slots(held, held)
 
     @cached_property
     def _support_slots(self) -> list[tuple[Indices, Indices, Indices]]:

@@ -110,7 +110,7 @@ class MirrorUnknowns:
     node: NodeUnknowns
     first: int
 
-    @property
+    @cached_property
     def per_node(self) -> int:
         """Unknowns of a node."""
         return len(self.node.listed)
@@ -125,7 +125,7 @@ class MirrorUnknowns:
         """One past its last unknown."""
         return self.first + self.size
 
-    @property
+    @cached_property
     def full(self) -> slice:
         """Where the coordinates of the rod are in the model."""
         return slice(self.rod.first_dof, self.rod.first_dof + self.rod.size)
@@ -135,6 +135,12 @@ class MirrorUnknowns:
         """Unknowns of each element (n_el, m)."""
         nodes = self.rod.mesh.nodes_of[:, :, None] * self.per_node + np.arange(self.per_node)
         return self.first + nodes.reshape(len(nodes), -1)
+
+    def of_elements(self, u: Floats) -> Floats:
+        """View (n_el, m) of the unknowns of the elements in those of all rods u (n,)."""
+        count, m = self.dofs.shape
+        step, item = m - self.per_node, u.itemsize
+        return np.ndarray((count, m), u.dtype, u, self.first * item, (step * item, item))
 
     def dofs_of(self, blocks: Indices) -> Indices:
         """Unknowns (m, ...) of blocks of coordinates (m, nd) on whole nodes of this rod."""

@@ -28,6 +28,7 @@ from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Scene
+from ancf.section_law import QuadratureSection
 from ancf.supports import NodeSupport
 
 if TYPE_CHECKING:
@@ -287,11 +288,15 @@ class Model:
 
     def inside_out(self, q: Floats) -> bool:
         """Whether q (n,) has a section point with det F <= 0 where its law is not defined there (rubber)."""
-        for rod in self.rods:
-            smallest = rod.elastic.section.smallest_volume(rod.generalised(q))
-            if smallest is not None and not np.min(smallest) > 0.0:
-                return True
-        return False
+        return any(
+            not np.min(law.smallest_volume(rod.generalised(q))) > 0.0 for rod, law in self._laws_of_volume
+        )
+
+    @cached_property
+    def _laws_of_volume(self) -> list[tuple[RodModel, QuadratureSection]]:
+        """Rods with a law that is not defined for det F <= 0 somewhere."""
+        laws = [(rod, rod.elastic.section) for rod in self.rods]
+        return [(rod, law) for rod, law in laws if isinstance(law, QuadratureSection)]
 
     @cached_property
     def pattern(self) -> BandPattern:

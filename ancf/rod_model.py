@@ -118,6 +118,12 @@ class RodModel:
         return self.q0[self.mesh.nodes_of].reshape(len(self.mesh.nodes_of), -1, 3)
 
     @cached_property
+    def frames0(self) -> Floats:
+        """Section frames of the reference (n_nodes, 3, 3) at the nodes, columns x, y, z in SCS."""
+        _, frame = reference_axis(self.mesh.node_x, self.rod.curvature)
+        return self.rod.base.rotation @ frame
+
+    @cached_property
     def part_of(self) -> Indices:
         """Which part of the rod (`Rod.parts`) each element belongs to (n_el,)."""
         middle = 0.5 * (self.mesh.breaks[:-1] + self.mesh.breaks[1:])
@@ -174,6 +180,8 @@ class RodModel:
         # Lengths that differ by rounding only are equal: compare 12 digits.
         relative = np.round(self.mesh.h / self.rod.length, 12)
         if not self.rod.segments:
+            if (relative == relative[0]).all():
+                return np.zeros(1, np.intp), np.zeros(len(relative), np.intp)
             _, first, kind = np.unique(relative, return_index=True, return_inverse=True)
             return first, kind
         labels: dict[tuple[Section, Section, Law], int] = {}
