@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import Element, Order
 from ancf.rod_model import RodModel
-from ancf.scene_plane import Plane
+from ancf.scene_plane import Plane, is_along_axis
 from ancf.supports import NodeSupport
 
 Floats = NDArray[np.float64]
@@ -170,9 +170,9 @@ class MirrorUnknowns:
 
 def mirror_unknowns(rod: RodModel, plane: Plane, first: int, odd: bool) -> MirrorUnknowns:
     """Unknowns of one parity of a rod that is its own image in a plane."""
-    axes = tuple(tuple(row) for row in plane.axes.tolist())
-    normal, along = plane.in_section(rod.rod), plane.is_along_axis(rod.rod)
-    return MirrorUnknowns(rod, _shared(NodeUnknowns(rod.element, axes, normal, along, odd)), first)
+    normal = plane.in_section(rod.rod)
+    node = NodeUnknowns(rod.element, plane.rows, normal, is_along_axis(normal), odd)
+    return MirrorUnknowns(rod, _shared(node), first)
 
 
 def turned_vectors(element: Element, cosine: float, sine: float) -> Floats:

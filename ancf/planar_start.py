@@ -82,7 +82,7 @@ class PlanarChain(Chain):
 
     @cached_property
     def _angles_0(self) -> Floats:
-        return self._state(self.R_0)
+        return self._angles(self.R_0)
 
     @cached_property
     def _beyond(self) -> Floats:
@@ -91,6 +91,9 @@ class PlanarChain(Chain):
 
     def _state(self, frames: Floats) -> Floats:
         """See `Chain._state`: the angles of the tangents."""
+        return self._angles_0 if frames is self.R_0 else self._angles(frames)
+
+    def _angles(self, frames: Floats) -> Floats:
         tangents = frames[:, :, 0] @ (self.plane.axes[:, 0] + 1j * self.plane.axes[:, 1])
         turns = np.angle(tangents[1:] * tangents[:-1].conj())
         return np.angle(tangents[0]) + np.concatenate([[0.0], turns.cumsum()])

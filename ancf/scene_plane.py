@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,11 +42,19 @@ KNOWN = frozenset(
 )
 
 
+UNKNOWN = tuple(field.name for field in fields(Scene) if field.name not in KNOWN)
+
+
 @dataclass(frozen=True, eq=False)
 class Plane:
     """A plane by its axes (3, 3), as columns in SCS: two in the plane, then the normal."""
 
     axes: Floats
+
+    @cached_property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """Rows of the axes."""
+        return tuple(tuple(row) for row in self.axes.tolist())
 
     @property
     def normal(self) -> Floats:
@@ -63,7 +72,12 @@ class Plane:
 
     def is_along_axis(self, rod: Rod) -> bool:
         """Whether the normal is along the y or the z axis of the sections of a rod."""
-        return min(map(abs, self.in_section(rod))) <= ROUNDING
+        return is_along_axis(self.in_section(rod))
+
+
+def is_along_axis(normal: tuple[float, float]) -> bool:
+    """Whether a normal in the section axes (y, z) is along one of them."""
+    return min(map(abs, normal)) <= ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,10 +204,10 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
         if tendon.length is not None or tendon.friction > 0.0:
             cause = "tendons with friction or of given length are solved in space"
             return _message(f"tendon[{i}]", f"rod {tendon.rod!r}", cause, plane)
-    for field in fields(scene):
-        if field.name not in KNOWN and getattr(scene, field.name):
+    for name in UNKNOWN:
+        if getattr(scene, name):
             cause = "nothing is known of its mirror image"
-            return _message(field.name, f"the scene lists {field.name}", cause, plane)
+            return _message(name, f"the scene lists {name}", cause, plane)
     shares = directions.leave(plane)
     if np.max(shares) > ROUNDING:
         first = int(np.argmax(shares > ROUNDING))
@@ -221,7 +235,7 @@ def _seen_in_space(rod: Rod, plane: Plane) -> str:
         for section in (part.section, part.section_end):
             if section is not None and not is_mirrored(section, direction):
                 return "the section is not its own mirror image in the plane"
-    if plane.is_along_axis(rod) or not ELEMENTS[rod.element].has_section:
+    if is_along_axis(direction) or not ELEMENTS[rod.element].has_section:
         return ""
     # A plane between the axes of a round section.
     directors = set(ELEMENTS[rod.element].directors)
@@ -244,7 +258,7 @@ def is_mirrored(section: Section, normal: tuple[float, float]) -> bool:
     if isinstance(section, Ellipse) and section.semi_axis_y == section.semi_axis_z:
         return True
     if not isinstance(section, Polygon):
-        return min(map(abs, normal)) <= ROUNDING  # rectangles and ellipses
+        return is_along_axis(normal)  # rectangles and ellipses
     corners = section.corners
     image = corners - 2.0 * np.outer(corners @ normal, normal)
     distance = np.linalg.norm(corners[:, None] - image, axis=-1).min(axis=0)
