@@ -62,9 +62,11 @@ class Model:
     """All arrays of a scene. Kernels trust them; validation happened when the scene was read.
 
     plane : the plane to which motions are confined (planar_model.py); None: none
+    eased : whether Newton may make its last steps with the factors at hand (reductions.py)
     """
 
     plane: Plane | None = None
+    eased: bool = False
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene

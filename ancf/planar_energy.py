@@ -232,9 +232,8 @@ class PlanarEnergy:
             full = np.einsum("gsp,esp->egp", elastic.assumed, full)
         T, H = elastic.section.response(full)
         T, H = T[..., products.alike], H[..., products.mixed[:, None], products.mixed]
-        B = (w.reshape(-1, w.shape[-1]) @ products.G_mixed_flat).reshape(
-            *w.shape[:-1], len(products.mixed), -1
-        )
+        shape = (*w.shape[:-1], len(products.mixed), len(products.odd_numbers))
+        B = (w.reshape(-1, w.shape[-1]) @ products.G_mixed_flat).reshape(shape)
         assumed = None if elastic.assumed is None else elastic.assumed[:, :, products.mixed]
         N = self._shape(self.odd, products.odd_numbers)
         K = self._tangent(N, B, assumed, H, self._at_places(T), products.G_odd)

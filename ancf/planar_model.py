@@ -51,6 +51,7 @@ class PlanarModel(Model):
         self.in_plane = Parity(model, plane, False, symmetric)
         self.across = Parity(model, plane, True, model.conservative)
         self.stays = stays
+        self.eased = True
         self._elastic = [
             PlanarEnergy(even, odd) for even, odd in zip(self.in_plane.rods, self.across.rods, strict=True)
         ]

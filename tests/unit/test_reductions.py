@@ -126,7 +126,7 @@ def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
 
 def test_effects_that_the_plane_does_not_know_are_solved_in_space(monkeypatch: pytest.MonkeyPatch):
     """As if contact had come and nobody had thought of its mirror image."""
-    monkeypatch.setattr(scene_plane, "KNOWN", scene_plane.KNOWN - {"gravity"})
+    monkeypatch.setattr(scene_plane, "UNKNOWN", (*scene_plane.UNKNOWN, "gravity"))
     one = scene(arm(), gravity=Gravity(np.array([0.0, -1.0, 0.0])))
     found = find_plane(one)
     assert isinstance(found, Message) and found.where == "gravity"
