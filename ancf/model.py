@@ -357,24 +357,25 @@ class Model:
 
     def boundary_matrix(self) -> sparse.csr_array:
         """B_2 (n, free unknowns) of paper eq. 10: dq = B_2 dp, orthonormal columns."""
+        return self._boundary_matrix
+
+    @cached_property
+    def _boundary_matrix(self) -> sparse.csr_array:
         from scipy import sparse
 
-        held = np.zeros(self.n, dtype=bool)
-        pieces, order = [], []
+        free = np.ones(self.n, dtype=bool)
         for s in self.supports:
-            held[s.dofs] = True
-        for dof in np.flatnonzero(~held):
-            pieces.append(([dof], np.ones((1, 1))))
-            order.append(dof)
+            free[s.dofs] = False
+        rows, columns, values = [np.flatnonzero(free)], [np.arange(free.sum())], [np.ones(free.sum())]
+        places = rows.copy()  # of the columns among the unknowns: a support has its at its first one
         for s in self.supports:
-            pieces.append((s.dofs, s.basis))
-            order.append(s.dofs[0])
-        rows, columns, values, count = [], [], [], 0
-        for index in np.argsort(order, kind="stable"):
-            dofs, basis = pieces[index]
-            i, j = np.nonzero(basis)
-            rows += list(np.asarray(dofs)[i])
-            columns += list(count + j)
-            values += list(basis[i, j])
-            count += basis.shape[1]
-        return sparse.csr_array((values, (rows, columns)), shape=(self.n, count))
+            i, j = np.nonzero(s.basis)
+            rows.append(s.dofs[i])
+            columns.append(sum(map(len, places)) + j)
+            values.append(s.basis[i, j])
+            places.append(np.full(s.basis.shape[1], s.dofs[0]))
+        order = np.argsort(np.concatenate(places), kind="stable")
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        entries = np.concatenate(values), (np.concatenate(rows), rank[np.concatenate(columns)])
+        return sparse.csr_array(entries, shape=(self.n, len(order)))
