@@ -3,8 +3,9 @@ r"""The plane of a scene: rods and loads that are their own mirror images in it 
 With the unit normal n of a plane through the axes of all rods, the mirror image of a vector is a - 2 (a . n)
 n. A scene is its own image if
 
-    axes, forces, levers, tendons, chambers, magnets and their field lie in the plane      a . n = 0,
+    axes, forces, levers, anchors, tendons, chambers, magnets and their field lie in it    a . n = 0,
     curvatures and moments, axial vectors, stand across it                                 a x n = 0,
+    stiffness matrices of springs and beds have n as a principal axis                      k n x n = 0,
     every section is its own image, and the element and the law see it so.
 
 Then the energy of a shape and of its image are equal, so that the equilibrium that is in the plane stays
@@ -37,7 +38,7 @@ ROUNDING = 16.0 * float(np.finfo(float).eps)
 KNOWN = frozenset(
     (
         *("rods", "moments", "forces", "line_loads", "line_moments", "gravity", "magnets", "tendons"),
-        *("pressures", "joints", "solver", "stability", "title"),
+        *("pressures", "springs", "foundations", "joints", "solver", "stability", "title"),
     )
 )
 
@@ -162,6 +163,22 @@ def _vectors(scene: Scene) -> Iterator[Part]:
         if chamber.value:
             centre = rods[chamber.rod].base.rotation[:, 1:] @ chamber.centre
             yield Part(f"pressure[{i}].chamber", "the chamber", centre)
+    for i, spring in enumerate(scene.springs):
+        base = rods[spring.rod].base
+        if np.any(spring.stiffness):
+            yield Part(f"spring[{i}].offset", "its lever", base.rotation[:, 1:] @ spring.offset)
+            if spring.anchor is not None:
+                yield Part(f"spring[{i}].anchor", "the anchor", spring.anchor - base.position)
+
+
+def _stiffnesses(scene: Scene) -> Iterator[tuple[str, Floats]]:
+    """Stiffness matrices (3, 3) of springs to the reference and of beds, at the base of their rods."""
+    for i, spring in enumerate(scene.springs):
+        if spring.anchor is None:
+            yield f"spring[{i}].stiffness", spring.stiffness
+    for i, bed in enumerate(scene.foundations):
+        axes = scene.rod(bed.rod).base.rotation if bed.axes is None else bed.axes
+        yield f"foundation[{i}].stiffness", (axes * bed.stiffness) @ axes.T
 
 
 def _normals(scene: Scene, directions: Directions) -> Iterator[Floats]:
@@ -216,6 +233,12 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
         value = f"{shares[first]:.3g} of {part.what} points {side} across ({plane}), must be 0"
         cause = f"{part.what} leaves the plane of what comes before it"
         return _message(part.where, value, cause, plane)
+    for where, k in _stiffnesses(scene):
+        k_n = k @ plane.normal
+        aside = float(np.abs(k_n - (plane.normal @ k_n) * plane.normal).max())
+        if aside > ROUNDING * np.abs(k).max():
+            cause = "the stiffness joins motions in the plane and out of it"
+            return _message(where, f"{aside:.3g} of the stiffness, must be 0", cause, plane)
     for i, rod in enumerate(scene.rods):
         cause = _seen_in_space(rod, plane)
         if cause:
