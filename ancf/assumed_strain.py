@@ -15,6 +15,8 @@ curvature-thickness locking a reduced axial rule leaves is gone (Betsch, Stein, 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,6 +41,7 @@ def kind_of(first: Order, second: Order) -> str:
     return ("section", "shear", "axial")[sum(order == R_X for order in orders)]
 
 
+@lru_cache(maxsize=32)
 def sampling(element: Element, points: int) -> tuple[Floats, Floats]:
     """Where an element samples its strain products, and what the axial points see of them.
 
@@ -61,6 +64,8 @@ def sampling(element: Element, points: int) -> tuple[Floats, Floats]:
             continue
         columns = [int(np.argmin(np.abs(at - xi))) for xi in sampled]
         A[:, columns, p] = _lagrange(np.array(sampled), axial)
+    for values in (at, A):
+        values.setflags(write=False)
     return at, A
 
 

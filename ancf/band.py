@@ -49,9 +49,15 @@ class BandPattern:
         Where step < size, neighbouring blocks share entries.
         """
         column, item = 3 * self.b + 1, flat.itemsize
-        begin = flat[first * column + 2 * self.b :]
         strides = (step * column * item, item, (column - 1) * item)
-        return np.lib.stride_tricks.as_strided(begin, (count, size, size), strides)
+        begin = (first * column + 2 * self.b) * item
+        return np.ndarray((count, size, size), flat.dtype, flat, begin, strides)
+
+    def of_rows(self, values: Floats, outside: float = 0.0) -> Floats:
+        """View (n, 3 b + 1), read only, of values (n,) of the rows by entries of the flat storage."""
+        padded = np.full(self.n + 3 * self.b, outside)
+        padded[2 * self.b : 2 * self.b + self.n] = values
+        return np.ndarray((self.n, 3 * self.b + 1), padded.dtype, padded, 0, 2 * padded.strides)
 
     @property
     def entries(self) -> int:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 
 class Counters:
@@ -16,17 +14,35 @@ class Counters:
         self.seconds: dict[str, float] = defaultdict(float)
         self.linear_solve = 0.0
 
-    @contextmanager
-    def effect(self, name: str) -> Iterator[None]:
+    def effect(self, name: str) -> _Evaluation:
         """Count one evaluation of an effect, whatever the number of its loads, and its time."""
         self.calls[name] += 1
-        started = time.perf_counter()
-        yield
-        self.seconds[name] += time.perf_counter() - started
+        return _Evaluation(self, name)
 
-    @contextmanager
-    def solving(self) -> Iterator[None]:
+    def solving(self) -> _Solving:
         """Time a factorisation or a back-substitution."""
-        started = time.perf_counter()
-        yield
-        self.linear_solve += time.perf_counter() - started
+        return _Solving(self)
+
+
+# Classes, as generators of contextlib cost more than some of the effects that they time.
+class _Evaluation:
+    def __init__(self, counters: Counters, name: str) -> None:
+        self.counters = counters
+        self.name = name
+
+    def __enter__(self) -> None:
+        self.started = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.counters.seconds[self.name] += time.perf_counter() - self.started
+
+
+class _Solving:
+    def __init__(self, counters: Counters) -> None:
+        self.counters = counters
+
+    def __enter__(self) -> None:
+        self.started = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        self.counters.linear_solve += time.perf_counter() - self.started

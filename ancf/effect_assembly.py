@@ -8,23 +8,26 @@ from __future__ import annotations
 
 import importlib
 from copy import copy
+from functools import cached_property
 from itertools import groupby
-from typing import TypeGuard
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import BandPattern
 from ancf.counters import Counters
-from ancf.effects import DeadLoad, Effect, SparseEffect, blocks_of
+from ancf.effects import Effect, SparseEffect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
 from ancf.scene_effects import EFFECT_MODULES
 
+if TYPE_CHECKING:
+    from ancf.mirror_system import Parity
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
 
 
 def load_effects(scene: Scene, rods: list[RodModel]) -> list[Effect]:
@@ -55,20 +58,28 @@ class EffectAssembly:
     ----------
     unit : (n,) unit of each unknown
     differences : tangents by finite differences (the paper's) instead of the effects' own
+    side : the unknowns of one parity, on which the tangents are wanted instead (mirror_system.py)
     """
 
     def __init__(
-        self, effects: list[Effect], pattern: BandPattern, unit: Floats, differences: bool, counters: Counters
+        self,
+        effects: list[Effect],
+        pattern: BandPattern,
+        unit: Floats,
+        differences: bool,
+        counters: Counters,
+        side: Parity | None = None,
     ) -> None:
         self.unit = unit
         self.differences = differences
         self.counters = counters
-        self.slots = [self._slots(pattern, effect) for effect in effects]
+        self.side = side
+        self.places = [_Places(pattern, effect, side, self._is_sparse(effect)) for effect in effects]
         self._take(effects)
 
     def _take(self, effects: list[Effect]) -> None:
         self.effects = effects
-        pairs = groupby(zip(effects, self.slots, strict=True), key=lambda pair: pair[0].name)
+        pairs = groupby(zip(effects, self.places, strict=True), key=lambda pair: pair[0].name)
         self._kinds = [(name, list(group)) for name, group in pairs]
 
     def of(self, effects: list[Effect]) -> EffectAssembly:
@@ -91,7 +102,7 @@ class EffectAssembly:
         coupled = []
         for name, effects in self._kinds:
             with self.counters.effect(name):
-                for effect, slots in effects:
+                for effect, places in effects:
                     e = blocks_of(q, effect.dofs)
                     if self._is_sparse(effect):
                         Q, K = effect.force_and_entries(e)
@@ -105,18 +116,12 @@ class EffectAssembly:
                         m, nd = effect.dofs.shape
                         coupled.append(np.zeros(m * nd * nd) if K is None else -share * K.ravel())
                     elif K is not None:
-                        np.subtract.at(flat, slots, K.ravel() if share == 1.0 else share * K.ravel())
+                        places.subtract(flat, share, K)
         return coupled
 
-    def _slots(self, pattern: BandPattern, effect: Effect) -> Indices:
-        """Places in the band of the entries that an effect gives."""
-        if effect.coupled or isinstance(effect, DeadLoad):
-            return np.empty(0, dtype=np.intp)
-        slots = pattern.block_slots(effect.dofs).ravel()
-        return slots[effect.entries] if self._is_sparse(effect) else slots
-
     def _is_sparse(self, effect: Effect) -> TypeGuard[SparseEffect]:
-        return isinstance(effect, SparseEffect) and not effect.coupled and not self.differences
+        whole = effect.coupled or self.differences or self.side is not None
+        return isinstance(effect, SparseEffect) and not whole
 
     def potential(self, q: Floats, load_factor: float) -> float | None:
         """Potential [J] at q (n,); None when an effect has none."""
@@ -129,8 +134,35 @@ class EffectAssembly:
         return total
 
 
+class _Places:
+    """Where the tangent of one effect goes; found when the first one comes, as dead loads have none."""
+
+    def __init__(self, pattern: BandPattern, effect: Effect, side: Parity | None, sparse: bool) -> None:
+        self.pattern = pattern
+        self.effect = effect
+        self.side = side
+        self.sparse = sparse
+
+    @cached_property
+    def _map(self) -> tuple[Floats | None, Indices]:
+        """F on one block (nd, m), None: all of its unknowns are wanted; and the unknowns (blocks, m)."""
+        return (None, self.effect.dofs) if self.side is None else self.side.blocks_of(self.effect.dofs)
+
+    @cached_property
+    def _slots(self) -> Indices:
+        """Places in the band of the entries that the effect gives."""
+        slots = self.pattern.block_slots(self._map[1]).ravel()
+        return slots[self.effect.entries] if isinstance(self.effect, SparseEffect) and self.sparse else slots
+
+    def subtract(self, flat: Floats, share: float, K: Floats) -> None:
+        """Subtract a share of the blocks K (m, nd, nd), of a parity F^T K F, or of a sparse effect's K."""
+        F, _ = self._map
+        block = (K if F is None else F.T @ K @ F).ravel()
+        # On flat arrays `at` is as fast as any other way to add to places that may repeat.
+        np.subtract.at(flat, self._slots, block if share == 1.0 else share * block)
+
+
 def _add(Q_int: Floats, Q_ext: Floats, effect: Effect, Q: Floats) -> None:
-    # On flat arrays `at` is as fast as any other way to add to places that may repeat.
     if effect.passive:
         np.subtract.at(Q_int, effect.dofs.ravel(), Q.ravel())
     else:

@@ -66,6 +66,10 @@ class Element:
     assumed: tuple[tuple[str, tuple[float, ...]], ...] = ()
     long_from: float = 0.0
 
+    def __hash__(self) -> int:
+        """By the name: elements are keys of tables that every solve looks up."""
+        return hash(self.name)
+
     @cached_property
     def directors(self) -> tuple[tuple[int, int], ...]:
         """Section monomials (power of y, power of z) in the order in which the vectors name them."""
@@ -172,11 +176,16 @@ class Element:
             coefficients[: len(columns), director, columns] = inverse
         return coefficients, x_orders
 
+    @cached_property
+    def _powers(self) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+        """Powers j of y and k of z of the section monomials, and 1/(j! k!)."""
+        j, k = np.array(self.directors).T
+        return j, k, 1.0 / np.array([factorial(a) * factorial(b) for a, b in self.directors])
+
     def section_monomials(self, y: Floats, z: Floats) -> tuple[Floats, Floats, Floats]:
         """phi_k = y^j z^k/(j! k!) and its derivatives by y and z, each (n, directors)."""
         y, z = np.broadcast_arrays(np.atleast_1d(np.asarray(y, float)), np.asarray(z, float))
-        j, k = np.array(self.directors).T
-        weight = 1.0 / np.array([factorial(a) * factorial(b) for a, b in self.directors])
+        j, k, weight = self._powers
         y, z = y[:, None], z[:, None]
         phi = weight * y**j * z**k
         phi_y = weight * j * y ** np.maximum(j - 1, 0) * z**k

@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ancf.band import BandPattern, Factors, cholesky, factorise, is_positive_definite, negative_eigenvalues
@@ -53,9 +52,8 @@ class LinearSystem:
     @cached_property
     def _scale(self) -> Floats:
         """Factor of each band entry that makes the tangent dimensionless, 0 outside the matrix."""
-        b, n = self.pattern.b, self.pattern.n
-        left = np.concatenate([np.zeros(2 * b), 1.0 / self.force_unit[:n], np.zeros(b)])
-        return (sliding_window_view(left, 3 * b + 1) * self.unit[:n, None]).ravel()
+        n = self.pattern.n
+        return (self.pattern.of_rows(1.0 / self.force_unit[:n]) * self.unit[:n, None]).ravel()
 
     @cached_property
     def _rows(self) -> Indices:
@@ -64,11 +62,30 @@ class LinearSystem:
         return np.clip(np.arange(n)[:, None] + np.arange(-2 * b, b + 1), 0, n - 1).ravel()
 
     @cached_property
+    def _held(self) -> Indices:
+        """Unknowns that supports hold as a whole."""
+        found = [s.dofs[s.held] for s in self.supports if s.held is not None]
+        return np.concatenate(found) if found else np.empty(0, np.intp)
+
+    @cached_property
+    def _oblique(self) -> list[NodeSupport]:
+        """Supports that hold combinations of unknowns."""
+        return [s for s in self.supports if s.held is None]
+
+    @cached_property
+    def _supported_scale(self) -> tuple[Floats, Indices]:
+        """`_scale`, 0 for rows and columns of unknowns that are held as a whole; their diagonal slots."""
+        n, held = self.pattern.n, self._held
+        rows, columns = 1.0 / self.force_unit[:n], self.unit[:n].copy()
+        rows[held] = columns[held] = 0.0
+        return (self.pattern.of_rows(rows) * columns[:, None]).ravel(), self.pattern.slots(held, held)
+
+    @cached_property
     def _support_slots(self) -> list[tuple[Indices, Indices, Indices]]:
-        """Per support: slots of its columns, of its rows and of its diagonal block."""
+        """Per oblique support: slots of its columns, of its rows and of its diagonal block."""
         b, n = self.pattern.b, self.pattern.n
         found = []
-        for s in self.supports:
+        for s in self._oblique:
             near = np.arange(max(s.dofs[-1] - b, 0), min(s.dofs[0] + b, n - 1) + 1)
             columns = self.pattern.slots(near[:, None], s.dofs)
             rows = self.pattern.slots(s.dofs[:, None], near)
@@ -78,14 +95,17 @@ class LinearSystem:
     def project(self, vector: Floats) -> Floats:
         """The part of a vector (n,) or (n, k) that the supports leave free."""
         vector = vector.copy()
-        for s in self.supports:
+        vector[self._held] = 0.0
+        for s in self._oblique:
             vector[s.dofs] = s.projector @ vector[s.dofs]
         return vector
 
     def supported(self, flat: Floats) -> Floats:
         """The dimensionless tangent in flat band storage, 1 on the diagonal for what the supports hold."""
-        flat = flat * self._scale
-        for (columns, rows, diagonal), s in zip(self._support_slots, self.supports, strict=True):
+        scale, held = self._supported_scale
+        flat = flat * scale
+        flat[held] = 1.0
+        for (columns, rows, diagonal), s in zip(self._support_slots, self._oblique, strict=True):
             flat[columns] = flat[columns] @ s.projector
             flat[rows] = s.projector @ flat[rows]
             flat[diagonal] += np.eye(len(s.dofs)) - s.projector

@@ -50,6 +50,8 @@ def element_breaks(length: float, elements: int, anchors: list[float]) -> Floats
     kink, and an element boundary represents it exactly. The elements are shared out in proportion to the
     distances, so anchors on the uniform grid leave the grid uniform. There must be as many as pieces.
     """
+    if not anchors:
+        return length * np.append(np.linspace(0.0, 1.0, elements, endpoint=False), 1.0)
     marks = distinct_places(anchors)
     pieces = np.diff(marks)
     ideal = pieces * elements
@@ -106,7 +108,7 @@ def rod_breaks(scene: Scene, rod: Rod) -> Floats:
     breaks = []
     for part, (segment, start) in enumerate(zip(rod.parts, starts(rod.parts)[:-1], strict=True)):
         anchors = places_in_part(rod, part, held + loaded)
-        if len(distinct_places(anchors)) - 1 > segment.elements:
+        if anchors and len(distinct_places(anchors)) - 1 > segment.elements:
             anchors = places_in_part(rod, part, held)
         breaks.append((start + element_breaks(segment.length, segment.elements, anchors))[:-1])
     return np.concatenate([*breaks, [rod.length]])

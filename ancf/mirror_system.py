@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -75,10 +76,6 @@ class Parity:
         """Forces (n,) on the unknowns, F^T Q."""
         return _joined([self._nodes(rod, Q) @ rod.node.F for rod in self.rods])
 
-    def force_to_full(self, Q_u: Floats) -> Floats:
-        """Forces Q = P^T Q_u on the coordinates, for which F^T Q = Q_u."""
-        return self._full(Q_u, [rod.node.P for rod in self.rods])
-
     @staticmethod
     def _nodes(rod: MirrorUnknowns, q: Floats) -> Floats:
         return q[rod.full].reshape(len(rod.rod.q0), -1)
@@ -87,23 +84,34 @@ class Parity:
         nodes = [u[rod.first : rod.end].reshape(-1, rod.per_node) for rod in self.rods]
         return _joined([here @ matrix for here, matrix in zip(nodes, matrices, strict=True)])
 
-    def add_elements(self, flat: Floats, rod: MirrorUnknowns, K: Floats) -> None:
+    def add_tangents(self, flat: Floats, rod: MirrorUnknowns, K: Floats) -> None:
         """Add the tangents (n_el, m, m) of the elements of a rod to the flat band storage."""
-        count, m = rod.dofs.shape
-        step = m - rod.per_node
-        blocks = self.pattern.blocks(flat, rod.first, step, m, count)
-        for start in (0, 1):  # neighbours share a node: every other element at once
-            blocks[start::2] += K[start::2]
+        count, m, _ = K.shape
+        _add_neighbours(self.pattern.blocks(flat, rod.first, m - rod.per_node, m, count), K)
 
-    @cached_property
-    def of_effects(self) -> list[tuple[Floats, Indices]]:
-        """For each effect F on one of its blocks (nd, m), and the slots (blocks, m, m) of its tangents."""
-        found = []
-        for effect in self.model.effects:
-            first = int(effect.dofs[0, 0])
-            rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
-            found.append((rod.node.of_element, self.pattern.block_slots(rod.dofs_of(effect.dofs))))
-        return found
+    def element_forces_to_full(self, forces: Iterable[Floats]) -> Floats:
+        """Forces Q = P^T Q_u on the coordinates (N,), for which F^T Q = Q_u sums those on the elements.
+
+        Parameters
+        ----------
+        forces : (n_el, m) of each rod
+        """
+        Q_u = np.zeros(self.n)
+        for rod, Q in zip(self.rods, forces, strict=True):
+            _add_neighbours(rod.of_elements(Q_u), Q)
+        return self._full(Q_u, [rod.node.P for rod in self.rods])
+
+    def blocks_of(self, dofs: Indices) -> tuple[Floats, Indices]:
+        """F on one block (nd, m) and the unknowns (blocks, m) of blocks of coordinates dofs on one rod."""
+        first = int(dofs[0, 0])
+        rod = next(rod for rod in self.rods if rod.full.start <= first < rod.full.stop)
+        return rod.node.of_element, rod.dofs_of(dofs)
+
+
+def _add_neighbours(blocks: Floats, added: Floats) -> None:
+    """Add to blocks (n_el, ...) whose neighbours share the entries of a node: every other one at once."""
+    blocks[::2] += added[::2]
+    blocks[1::2] += added[1::2]
 
 
 def _joined(parts: list[Floats]) -> Floats:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ancf.elements import Element, Order
 from ancf.rod_model import RodModel
-from ancf.scene_plane import Plane
+from ancf.scene_plane import Plane, is_along_axis
 from ancf.supports import NodeSupport
 
 Floats = NDArray[np.float64]
@@ -110,7 +110,7 @@ class MirrorUnknowns:
     node: NodeUnknowns
     first: int
 
-    @property
+    @cached_property
     def per_node(self) -> int:
         """Unknowns of a node."""
         return len(self.node.listed)
@@ -125,7 +125,7 @@ class MirrorUnknowns:
         """One past its last unknown."""
         return self.first + self.size
 
-    @property
+    @cached_property
     def full(self) -> slice:
         """Where the coordinates of the rod are in the model."""
         return slice(self.rod.first_dof, self.rod.first_dof + self.rod.size)
@@ -135,6 +135,12 @@ class MirrorUnknowns:
         """Unknowns of each element (n_el, m)."""
         nodes = self.rod.mesh.nodes_of[:, :, None] * self.per_node + np.arange(self.per_node)
         return self.first + nodes.reshape(len(nodes), -1)
+
+    def of_elements(self, u: Floats) -> Floats:
+        """View (n_el, m) of the unknowns of the elements in those of all rods u (n,)."""
+        count, m = self.dofs.shape
+        step, item = m - self.per_node, u.itemsize
+        return np.ndarray((count, m), u.dtype, u, self.first * item, (step * item, item))
 
     def dofs_of(self, blocks: Indices) -> Indices:
         """Unknowns (m, ...) of blocks of coordinates (m, nd) on whole nodes of this rod."""
@@ -164,9 +170,9 @@ class MirrorUnknowns:
 
 def mirror_unknowns(rod: RodModel, plane: Plane, first: int, odd: bool) -> MirrorUnknowns:
     """Unknowns of one parity of a rod that is its own image in a plane."""
-    axes = tuple(tuple(row) for row in plane.axes.tolist())
-    normal, along = plane.in_section(rod.rod), plane.is_along_axis(rod.rod)
-    return MirrorUnknowns(rod, _shared(NodeUnknowns(rod.element, axes, normal, along, odd)), first)
+    normal = plane.in_section(rod.rod)
+    node = NodeUnknowns(rod.element, plane.rows, normal, is_along_axis(normal), odd)
+    return MirrorUnknowns(rod, _shared(node), first)
 
 
 def turned_vectors(element: Element, cosine: float, sine: float) -> Floats:

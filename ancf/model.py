@@ -28,6 +28,7 @@ from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Scene
+from ancf.section_law import QuadratureSection
 from ancf.supports import NodeSupport
 
 if TYPE_CHECKING:
@@ -61,9 +62,11 @@ class Model:
     """All arrays of a scene. Kernels trust them; validation happened when the scene was read.
 
     plane : the plane to which motions are confined (planar_model.py); None: none
+    eased : whether Newton may make its last steps with the factors at hand (reductions.py)
     """
 
     plane: Plane | None = None
+    eased: bool = False
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -291,11 +294,15 @@ class Model:
 
     def inside_out(self, q: Floats) -> bool:
         """Whether q (n,) has a section point with det F <= 0 where its law is not defined there (rubber)."""
-        for rod in self.rods:
-            smallest = rod.elastic.section.smallest_volume(rod.generalised(q))
-            if smallest is not None and not np.min(smallest) > 0.0:
-                return True
-        return False
+        return any(
+            not np.min(law.smallest_volume(rod.generalised(q))) > 0.0 for rod, law in self._laws_of_volume
+        )
+
+    @cached_property
+    def _laws_of_volume(self) -> list[tuple[RodModel, QuadratureSection]]:
+        """Rods with a law that is not defined for det F <= 0 somewhere."""
+        laws = [(rod, rod.elastic.section) for rod in self.rods]
+        return [(rod, law) for rod, law in laws if isinstance(law, QuadratureSection)]
 
     @cached_property
     def pattern(self) -> BandPattern:
@@ -354,24 +361,25 @@ class Model:
 
     def boundary_matrix(self) -> sparse.csr_array:
         """B_2 (n, free unknowns) of paper eq. 10: dq = B_2 dp, orthonormal columns."""
+        return self._boundary_matrix
+
+    @cached_property
+    def _boundary_matrix(self) -> sparse.csr_array:
         from scipy import sparse
 
-        held = np.zeros(self.n, dtype=bool)
-        pieces, order = [], []
+        free = np.ones(self.n, dtype=bool)
         for s in self.supports:
-            held[s.dofs] = True
-        for dof in np.flatnonzero(~held):
-            pieces.append(([dof], np.ones((1, 1))))
-            order.append(dof)
+            free[s.dofs] = False
+        rows, columns, values = [np.flatnonzero(free)], [np.arange(free.sum())], [np.ones(free.sum())]
+        places = rows.copy()  # of the columns among the unknowns: a support has its at its first one
         for s in self.supports:
-            pieces.append((s.dofs, s.basis))
-            order.append(s.dofs[0])
-        rows, columns, values, count = [], [], [], 0
-        for index in np.argsort(order, kind="stable"):
-            dofs, basis = pieces[index]
-            i, j = np.nonzero(basis)
-            rows += list(np.asarray(dofs)[i])
-            columns += list(count + j)
-            values += list(basis[i, j])
-            count += basis.shape[1]
-        return sparse.csr_array((values, (rows, columns)), shape=(self.n, count))
+            i, j = np.nonzero(s.basis)
+            rows.append(s.dofs[i])
+            columns.append(sum(map(len, places)) + j)
+            values.append(s.basis[i, j])
+            places.append(np.full(s.basis.shape[1], s.dofs[0]))
+        order = np.argsort(np.concatenate(places), kind="stable")
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        entries = np.concatenate(values), (np.concatenate(rows), rank[np.concatenate(columns)])
+        return sparse.csr_array(entries, shape=(self.n, len(order)))

@@ -32,6 +32,10 @@ FALLING = 0.7
 # Residual that rounding leaves, in units of eps sum_j |K_ij| |q_j|: positions and slopes are stored to eps/2;
 # strain products, stress and force add a few roundings each. Measured 0.02 to 0.6 over the hard cases.
 FLOOR_FACTOR = 1.0
+# After a step this small the next one, some square of it, needs no new tangent: the last one is as wrong as
+# the step was long (a chord step; Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, ch. 5).
+# It is a quarter of a solve in four iterations.
+CHORD_STEP = 1e-6
 # A step that would turn a section inside out is halved, at most to this share.
 SMALLEST_SHARE = 1.0 / 64.0
 # Contact is known near where it is looked at: a longer step (in rod lengths) is taken in part.
@@ -114,6 +118,7 @@ class NewtonRun:
         self.result = NewtonResult(Outcome.TOO_MANY, self.q, load_factor, np.inf)
         self.done = False
         self._quiet = 0
+        self.keeps_factors = False  # whether those at hand will do for the next step
         model.search(self.q)
         self._sides: list[tuple[bool | None, ...]] = []  # tried so far; see tendon_length.py
         if model.constraints is not None:
@@ -126,22 +131,24 @@ class NewtonRun:
         self.result.outcome = outcome
         self.done = True
 
-    def advance(self, forces: Residual, flat: Floats) -> None:
-        """One linear step from the forces and the tangent at q."""
+    def advance(self, forces: Residual, flat: Floats | None) -> None:
+        """One linear step from the forces and the tangent at q; None: with the factors at hand."""
         outcome = self._step(forces, flat)
         if outcome is not None:
             self.end(outcome)
 
-    def _step(self, forces: Residual, flat: Floats) -> Outcome | None:
+    def _step(self, forces: Residual, flat: Floats | None) -> Outcome | None:
         """The step; its outcome, None where the iteration goes on."""
         model, result, options = self.model, self.result, self.model.scene.solver
         g = model.system.project(forces.at(self.load_factor))
-        if not _measure(model, result, g) or not np.isfinite(flat).all():
+        if not _measure(model, result, g) or not (flat is None or np.isfinite(flat).all()):
             return Outcome.NOT_FINITE
-        try:
-            result.lu, result.flat = model.system.factorise(flat), flat
-        except SingularMatrixError:
-            return Outcome.SINGULAR
+        if flat is not None:
+            try:
+                result.lu, result.flat = model.system.factorise(flat), flat
+            except SingularMatrixError:
+                return Outcome.SINGULAR
+        assert result.lu is not None
         if self.border is None:
             dq, change = model.system.solve(result.lu, -g), 0.0
         else:
@@ -161,6 +168,7 @@ class NewtonRun:
             return Outcome.INVERTED
         self.q_previous, self.q = self.q, self.q + share * dq
         self.load_factor += share * change
+        self.keeps_factors = model.eased and self.border is None and step <= CHORD_STEP
         noise = step <= NOISE_STEP and iteration > 1 and step > NOISE_RATIO * result.history[-2].step
         outcome = None
         if share == 1.0 and (step <= options.tolerance or noise):
@@ -222,7 +230,10 @@ def newton(
             run.end(Outcome.OUT_OF_TIME)
             break
         try:
-            forces, flat = model.residual_and_tangent(run.q, run.load_factor, run.q_previous)
+            if run.keeps_factors:
+                forces, flat = model.residual(run.q, run.load_factor), None
+            else:
+                forces, flat = model.residual_and_tangent(run.q, run.load_factor, run.q_previous)
         except np.linalg.LinAlgError:  # a section collapsed to a line: its rotation is undefined
             run.end(Outcome.NOT_FINITE)
             break

@@ -44,7 +44,7 @@ class Products:
     alike, mixed : pairs of vectors of one parity, and of both
     numbers, odd_numbers : which components of the vectors are not zero in the plane; motions out of it
     G : (alike, numbers, numbers) second derivatives; G_flat the same as (numbers, alike * numbers)
-    G_odd : (alike, odd numbers, odd numbers); G_mixed : (mixed, numbers, odd numbers)
+    G_odd : (alike, odd numbers, odd numbers); G_mixed_flat : (numbers, mixed * odd numbers)
     """
 
     alike: Indices
@@ -54,7 +54,7 @@ class Products:
     G: Floats
     G_flat: Floats
     G_odd: Floats
-    G_mixed: Floats
+    G_mixed_flat: Floats
 
 
 @lru_cache(maxsize=64)
@@ -71,9 +71,11 @@ def products_of(even: NodeUnknowns, odd: NodeUnknowns) -> Products:
     alike, mixed = np.flatnonzero(parity[i] == parity[j]), np.flatnonzero(parity[i] != parity[j])
     here, there = even.numbers(orders), odd.numbers(orders)
     G = second[np.ix_(alike, here, here)]
-    G_flat = np.ascontiguousarray(np.moveaxis(G, 1, 0).reshape(len(here), -1))
     G_odd, G_mixed = second[np.ix_(alike, there, there)], second[np.ix_(mixed, here, there)]
-    return Products(alike, mixed, here, there, G, G_flat, G_odd, G_mixed)
+    G_flat, G_mixed_flat = (
+        np.ascontiguousarray(np.moveaxis(one, 1, 0).reshape(len(here), -1)) for one in (G, G_mixed)
+    )
+    return Products(alike, mixed, here, there, G, G_flat, G_odd, G_mixed_flat)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,18 +142,18 @@ class PlanarEnergy:
         return (nodes @ self.even.node.P.T).reshape(len(e), -1)
 
     def numbers(self, u: Floats) -> Floats:
-        """w (n_el, places, numbers) of the unknowns of the elements u (n_el, m)."""
+        """w (..., n_el, places, numbers) of the unknowns of the elements u (..., n_el, m)."""
         positions, first = self._positions
         relative = u.copy()
-        relative[:, positions] -= u[:, first]
+        relative[..., positions] -= u[..., first]
         if len(self._N_stacked) == 1:
             w = relative @ self._N_stacked[0].T
         else:
             w = (self._N_stacked @ relative[..., None])[..., 0]
-        return w.reshape(len(u), *self.N.shape[1:3])
+        return w.reshape(*u.shape[:-1], *self.N.shape[1:3])
 
     def _changes(self, w: Floats) -> Floats:
-        """B = d gamma/d w (n_el, places, pairs, numbers)."""
+        """B = d gamma/d w (..., n_el, places, pairs, numbers)."""
         count = w.shape[-1]
         return (w.reshape(-1, count) @ self.products.G_flat).reshape(*w.shape[:-1], -1, count)
 
@@ -165,19 +167,31 @@ class PlanarEnergy:
     def _at_places(self, T: Floats) -> Floats:
         return T if self._assumed is None else np.einsum("gsp,egp->esp", self._assumed, T)
 
+    def force(self, u: Floats) -> Floats:
+        """Force (n_el, m) at the unknowns of the elements u (n_el, m)."""
+        w = self.numbers(u)
+        B = self._changes(w)
+        T = self.section.resultants(self._at_points(self._quadratic(B, w) - self._gamma0))
+        Q = self._to_nodes((np.swapaxes(B, -1, -2) @ self._at_places(T)[..., None])[..., 0])
+        control = self.even.rod.elastic.control
+        if control is None:
+            return Q
+        return Q + control.force(self._vectors(u)).reshape(len(u), -1) @ self.even.node.of_element
+
     def force_and_tangent(self, u: Floats, u_previous: Floats | None = None) -> tuple[Floats, Floats]:
         """Force (n_el, m) and symmetric tangent (n_el, m, m) at the unknowns of the elements u (n_el, m).
 
         With `u_previous` the geometric part uses the mixed-integration-point stress.
         """
-        w = self.numbers(u)
+        # The last step goes along: what is small is called half as often.
+        w = self.numbers(u[None] if u_previous is None else np.stack([u, u - u_previous]))
         B = self._changes(w)
-        products = self._quadratic(B, w) - self._gamma0
+        quadratic = self._quadratic(B, w)
+        B, products = B[0], quadratic[0] - self._gamma0
         T, H = self.section.response(self._at_points(products))
         Q_w = (np.swapaxes(B, -1, -2) @ self._at_places(T)[..., None])[..., 0]
         if u_previous is not None:
-            dw = w - self.numbers(u_previous)
-            step = self._quadratic(self._changes(dw), dw)
+            w, dw, step = w[0], w[1], quadratic[1]
             before = None
             if not isinstance(self.section, QuadraticSection):  # a linear law does not ask where it is
                 w_previous = w - dw
@@ -211,7 +225,8 @@ class PlanarEnergy:
             full = np.einsum("gsp,esp->egp", elastic.assumed, full)
         T, H = elastic.section.response(full)
         T, H = T[..., products.alike], H[..., products.mixed[:, None], products.mixed]
-        B = np.einsum("esn,pnm->espm", w, products.G_mixed)
+        shape = (*w.shape[:-1], len(products.mixed), len(products.odd_numbers))
+        B = (w.reshape(-1, w.shape[-1]) @ products.G_mixed_flat).reshape(shape)
         assumed = None if elastic.assumed is None else elastic.assumed[:, :, products.mixed]
         N = self._shape(self.odd, products.odd_numbers)
         K = self._tangent(N, B, assumed, H, self._at_places(T), products.G_odd)

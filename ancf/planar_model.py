@@ -11,17 +11,17 @@ follow: `LeavesPlane`.
 
 from __future__ import annotations
 
-from itertools import groupby
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
-from ancf.effect_assembly import add_blocks
-from ancf.effects import blocks_of
+from ancf.effect_assembly import EffectAssembly
 from ancf.mirror_system import Parity, PlanarSystem
 from ancf.model import Model, Residual
 from ancf.planar_energy import PlanarEnergy
+from ancf.rod_model import RodModel
 from ancf.scene_plane import Plane
 from ancf.section_law import QuadratureSection
 
@@ -45,11 +45,13 @@ class PlanarModel(Model):
     """
 
     def __init__(self, model: Model, plane: Plane, symmetric: bool, stays: bool = False) -> None:
+        _ = (model.unit, model.force_unit, model.q0)  # made once, shared
         vars(self).update(vars(model))
         self.plane = plane
         self.in_plane = Parity(model, plane, False, symmetric)
         self.across = Parity(model, plane, True, model.conservative)
         self.stays = stays
+        self.eased = True
         self._elastic = [
             PlanarEnergy(even, odd) for even, odd in zip(self.in_plane.rods, self.across.rods, strict=True)
         ]
@@ -69,45 +71,49 @@ class PlanarModel(Model):
         """Whether coordinates q (n,) are in the plane, dimensionless."""
         return self.largest_motion(q - self.in_plane.to_full(self.in_plane.of(q))) <= tolerance
 
-    def inside_out(self, q: Floats) -> bool:
-        """See `Model.inside_out`."""
-        for rod, elastic in zip(self.rods, self._elastic, strict=True):
-            if isinstance(elastic.section, QuadratureSection):
-                smallest = elastic.section.smallest_volume(rod.generalised(q))
-                if not np.min(smallest) > 0.0:
-                    return True
-        return False
+    @cached_property
+    def _laws_of_volume(self) -> list[tuple[RodModel, QuadratureSection]]:
+        """See `Model._laws_of_volume`; on half of the section points."""
+        laws = [(rod, elastic.section) for rod, elastic in zip(self.rods, self._elastic, strict=True)]
+        return [(rod, law) for rod, law in laws if isinstance(law, QuadratureSection)]
+
+    def _residual(self, q: Floats, load_factor: float) -> Residual:
+        """See `Model.residual`."""
+        u = self.in_plane.of(q)
+        with self.counters.effect("elastic"):
+            pairs = zip(self.in_plane.rods, self._elastic, strict=True)
+            Q_int = self.in_plane.element_forces_to_full(
+                [elastic.force(rod.of_elements(u)) for rod, elastic in pairs]
+            )
+        Q_ext = np.zeros(self.n)
+        self._sums_on_sides[0].forces(Q_int, Q_ext, q)
+        return Residual(Q_int, Q_ext)
 
     def residual_and_tangent(
         self, q: Floats, load_factor: float, q_previous: Floats | None = None
     ) -> tuple[Residual, Floats]:
         """See `Model.residual_and_tangent`; the tangent in the band of the planar unknowns."""
         side = self.in_plane
-        Q_u, flat = np.zeros(side.n), np.zeros(side.pattern.entries)
-        u = side.of(q)
-        u_previous = None if q_previous is None else side.of(q_previous)
+        flat, forces = np.zeros(side.pattern.entries), []
+        u, u_previous = side.of(q), None if q_previous is None else side.of(q_previous)
         with self.counters.effect("elastic"):
             for rod, elastic in zip(side.rods, self._elastic, strict=True):
-                before = None if u_previous is None else u_previous[rod.dofs]
-                Q_e, K_e = elastic.force_and_tangent(u[rod.dofs], before)
-                add_blocks(Q_u, rod.dofs, Q_e)
-                side.add_elements(flat, rod, K_e)
-        Q_ext = self._add_loads(flat, side, q, load_factor)
-        return Residual(side.force_to_full(Q_u), Q_ext), flat
+                before = None if u_previous is None else rod.of_elements(u_previous)
+                Q, K = elastic.force_and_tangent(rod.of_elements(u), before)
+                forces.append(Q)
+                side.add_tangents(flat, rod, K)
+            Q_int, Q_ext = side.element_forces_to_full(forces), np.zeros(self.n)
+        self._sums_on_sides[0].terms(Q_int, Q_ext, flat, q, load_factor)
+        return Residual(Q_int, Q_ext), flat
 
-    def _add_loads(self, flat: Floats, side: Parity, q: Floats, load_factor: float) -> Floats:
-        """Add the load tangents of one parity to their flat band storage; Q_ext (n,) at factor 1."""
-        Q_ext = np.zeros(self.n)
-        for name, effects in groupby(
-            zip(self.effects, side.of_effects, strict=True), key=lambda pair: pair[0].name
-        ):
-            with self.counters.effect(name):
-                for effect, (basis, slots) in effects:
-                    Q_e, K_e = effect.force_and_tangent(blocks_of(q, effect.dofs))
-                    add_blocks(Q_ext, effect.dofs, Q_e)
-                    if K_e is not None:
-                        np.subtract.at(flat, slots.ravel(), load_factor * (basis.T @ K_e @ basis).ravel())
-        return Q_ext
+    @cached_property
+    def _sums_on_sides(self) -> list[EffectAssembly]:
+        """The effects, with their tangents in the plane and across it."""
+        sides = (self.in_plane, self.across)
+        return [
+            EffectAssembly(self.effects, side.pattern, self.unit, False, self.counters, side)
+            for side in sides
+        ]
 
     def across_tangent(self, q: Floats, load_factor: float) -> Floats:
         """Tangent of the motions out of the plane at q (n,), in their flat band storage."""
@@ -116,8 +122,8 @@ class PlanarModel(Model):
         u = self.in_plane.of(q)
         with self.counters.effect("elastic"):
             for rod, even, elastic in zip(side.rods, self.in_plane.rods, self._elastic, strict=True):
-                side.add_elements(flat, rod, elastic.odd_tangent(u[even.dofs]))
-        self._add_loads(flat, side, q, load_factor)
+                side.add_tangents(flat, rod, elastic.odd_tangent(even.of_elements(u)))
+        self._sums_on_sides[1].terms(np.zeros(self.n), np.zeros(self.n), flat, q, load_factor)
         return flat
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:

@@ -130,14 +130,11 @@ def _frames_by_moments(rod: RodModel, moments: list[Moment]) -> Floats | None:
 
 def _chain(rod: RodModel) -> Chain:
     """The rod as a Kirchhoff chain between its nodes."""
-    x = rod.mesh.node_x
-    h = np.diff(x)
-    _, frame = reference_axis(x, rod.rod.curvature)
     return Chain(
-        h=h,
+        h=np.diff(rod.mesh.node_x),
         C=np.linalg.inv(compliance_between_nodes(rod)).astype(float),
         k_0=np.asarray(rod.rod.curvature),
-        R_0=rod.rod.base.rotation @ frame,
+        R_0=rod.frames0,
         held=rod.node_at(rod.rod.supports[0].at),
         unit=rod.bending_stiffness / rod.rod.length,
     )
@@ -159,8 +156,10 @@ def _actuation(scene: Scene, rod: RodModel, pulls: list[float]) -> Floats:
     `pulls` are the tensions [N] of all tendons of the scene.
     """
     x = rod.mesh.node_x
+    moment = np.zeros((len(x) - 1, 3))
+    if not (scene.tendons or scene.pressures):
+        return moment
     middle = 0.5 * (x[:-1] + x[1:]) / rod.rod.length
-    moment = np.zeros((len(middle), 3))
     for tendon, tension in zip(scene.tendons, pulls, strict=True):
         if tendon.rod == rod.rod.name:
             at, y, z = tendon.path.T
@@ -189,8 +188,7 @@ def _shape(rod: RodModel, rotations: Floats, axial_strain: Floats | None) -> Flo
     if axial_strain is not None:
         chord *= 1.0 + np.clip(axial_strain, *STRAINS)
     r = np.concatenate([np.zeros((1, 3)), np.cumsum(chord[:, None] * middle[:, :, 0], axis=0)])
-    _, frame0 = reference_axis(x, rod.rod.curvature)
-    relative = rotations @ np.swapaxes(rod.rod.base.rotation @ frame0, -1, -2)
+    relative = rotations @ np.swapaxes(rod.frames0, -1, -2)
     q = np.einsum("nij,nvj->nvi", relative, rod.q0)
     axis, held = rod.element.vectors.index(R), rod.node_at(rod.rod.supports[0].at)
     q[:, axis] = r - r[held] + rod.q0[held, axis]

@@ -8,6 +8,8 @@ stability) on the full one:
 * symmetric: where every load that acts has a potential, tangents are factorised by Cholesky, and by LU where
   they are not positive definite. Couples across the plane of a planar scene have one on its shapes.
 
+Either makes its last, smallest steps with the factors at hand (newton.py).
+
 Paths (arc length, the buckled branch), joints, prescribed motions and finite-difference tangents are solved
 in full, as are batches.
 """
@@ -123,6 +125,7 @@ def reduced(model: Model, reductions: Reductions) -> Model:
     found = copy(model)
     system = (model.pattern, model.supports, model.unit, model.force_unit, model.counters)
     vars(found)["system"] = LinearSystem(*system, symmetric=True)
+    found.eased = True
     return found
 
 

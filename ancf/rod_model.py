@@ -112,6 +112,12 @@ class RodModel:
         return self.q0[self.mesh.nodes_of].reshape(len(self.mesh.nodes_of), -1, 3)
 
     @cached_property
+    def frames0(self) -> Floats:
+        """Section frames of the reference (n_nodes, 3, 3) at the nodes, columns x, y, z in SCS."""
+        _, frame = reference_axis(self.mesh.node_x, self.rod.curvature)
+        return self.rod.base.rotation @ frame
+
+    @cached_property
     def part_of(self) -> Indices:
         """Which part of the rod (`Rod.parts`) each element belongs to (n_el,)."""
         middle = 0.5 * (self.mesh.breaks[:-1] + self.mesh.breaks[1:])
@@ -168,6 +174,8 @@ class RodModel:
         # Lengths that differ by rounding only are equal: compare 12 digits.
         relative = np.round(self.mesh.h / self.rod.length, 12)
         if not self.rod.segments:
+            if (relative == relative[0]).all():
+                return np.zeros(1, np.intp), np.zeros(len(relative), np.intp)
             _, first, kind = np.unique(relative, return_index=True, return_inverse=True)
             return first, kind
         labels: dict[tuple[Section, Section, Law], int] = {}
@@ -187,7 +195,8 @@ class RodModel:
         first, kind = self.element_kinds
         xi, _ = gauss(self.axial_points)
         places, assumed = sampling(self.element, self.axial_points) if self.assumes_strains else (xi, None)
-        N = np.array([generalised_shape(self.element, places, float(self.mesh.h[index])) for index in first])
+        lengths = [float(self.mesh.h[index]) for index in first]
+        N = np.array([_generalised(self.element, tuple(places), h) for h in lengths])
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
         v0 = [
@@ -295,9 +304,9 @@ class RodModel:
         found = np.searchsorted(
             breaks, x * (1.0 - 1e-12) if before else x, side="left" if before else "right"
         )
-        index = int(np.clip(found - 1, 0, len(breaks) - 2))
+        index = min(max(int(found) - 1, 0), len(breaks) - 2)
         h = breaks[index + 1] - breaks[index]
-        xi = float(np.clip(2.0 * (x - breaks[index]) / h - 1.0, -1.0, 1.0))
+        xi = min(max(float(2.0 * (x - breaks[index]) / h - 1.0), -1.0), 1.0)
         N, N_x = _shapes(self.element, xi, float(h))
         d0 = N @ self.e0[index]
         W = np.zeros_like(d0)  # without section vectors there is no rotation to weigh
@@ -361,6 +370,14 @@ def _shapes(element: Element, xi: float, h: float) -> tuple[Floats, Floats]:
     for values in found:
         values.setflags(write=False)
     return found[0], found[1]
+
+
+@lru_cache(maxsize=256)
+def _generalised(element: Element, xi: tuple[float, ...], h: float) -> Floats:
+    """`generalised_shape`, shared likewise."""
+    N = generalised_shape(element, np.array(xi), h)
+    N.setflags(write=False)
+    return N
 
 
 def _spread(values: Floats, kind: Indices) -> Floats:

@@ -29,7 +29,8 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,15 @@ EASED = 0.25  # share of the shift that the next step keeps
 BAND = 5  # half bandwidth of a tridiagonal matrix of 3 x 3 blocks
 
 
+class Loads(Protocol):
+    """What the iteration asks of loads; the rest is between them and the residual of their chain."""
+
+    @property
+    def dead_forces_only(self) -> bool:
+        """Whether all loads are dead forces, which have a potential."""
+        ...
+
+
 @dataclass(frozen=True)
 class NodalLoads:
     """Loads on the nodes of a chain (m + 1, 3): fixed in space, and turning with the sections.
@@ -74,10 +84,10 @@ class NodalLoads:
         """Whether any force acts."""
         return bool(np.any(self.force) or np.any(self.turning_force))
 
-    @cached_property
+    @property
     def dead_forces_only(self) -> bool:
         """Whether all loads are dead forces, which have a potential."""
-        return not any(np.any(load) for load in (self.moment, self.turning_force, self.turning_moment))
+        return not any(load.any() for load in (self.moment, self.turning_force, self.turning_moment))
 
 
 def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
@@ -104,19 +114,26 @@ def nodal_loads(scene: Scene, rod: RodModel) -> NodalLoads:
             if np.any(arm):
                 levers.append((node, arm, load.value))
     half = 0.5 * np.diff(x)
-    span = (np.append(half, 0.0) + np.insert(half, 0, 0.0))[:, None]
     for load in scene.line_loads:
         if load.rod == name:
             target = force if load.direction == "fixed" else turning_force
-            target += span * load.value
+            target += _at_nodes(half) * load.value
     for load in scene.line_moments:
         if load.rod == name:
             target = moment if load.direction == "fixed" else turning_moment
-            target += span * load.value
+            target += _at_nodes(half) * load.value
     if scene.gravity is not None:
         weight = half * between_nodes(rod, lambda section, law: (law.density or 0.0) * section.area)
-        force += (np.append(weight, 0.0) + np.insert(weight, 0, 0.0))[:, None] * scene.gravity.acceleration
+        force += _at_nodes(weight) * scene.gravity.acceleration
     return NodalLoads(force, moment, turning_force, turning_moment, levers)
+
+
+def _at_nodes(halves: Floats) -> Floats:
+    """Sums (m + 1, 1) at the nodes of what the intervals (m,) give to each of their ends."""
+    total = np.zeros((len(halves) + 1, 1))
+    total[:-1, 0] = halves
+    total[1:, 0] += halves
+    return total
 
 
 def between_nodes(rod: RodModel, value: Callable[[Section, Law], float]) -> Floats:
@@ -145,7 +162,7 @@ class Chain:
     unit: float
 
     def equilibrium(
-        self, loads: NodalLoads, start: Floats, deadline: float = np.inf
+        self, loads: Loads, start: Floats, deadline: float = np.inf
     ) -> tuple[Floats, Floats] | None:
         """Frames (m + 1, 3, 3) and axial forces (m,) [N] by Newton from the frames `start`; None: none found.
 
@@ -154,18 +171,17 @@ class Chain:
         """
         R, shift, raised = self._state(start), 0.0, False
         g, parts = self._residual(R, loads)
-        first = _size(g)
+        first = self._size(g)
         # Relative to the load as well: on a column, the smallest push aside decides where it buckles.
         close = CLOSE * min(first, self.unit) if first > NOTHING * self.unit else first
         for _ in range(MOST_DOWNHILL if loads.dead_forces_only else MAX_ITERATIONS):
             if time.perf_counter() > deadline:
                 return None
-            if _size(g) <= close:
-                chord, n = parts[2], parts[3]
-                return self._frames(R), np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
+            if self._size(g) <= close:
+                return self._frames(R), self._axial_forces(parts)
             w = self._step(g, parts, loads, R, shift)
             # The comparison is false for a step that is not finite.
-            if w is not None and _size(np.diff(w, axis=0)) <= LARGEST_SPIN:
+            if w is not None and self._size(w[1:] - w[:-1]) <= LARGEST_SPIN:
                 turned = self._turned(R, w)
                 g_new, parts_new = self._residual(turned, loads)
                 if np.sum((g + g_new) * w) > 0.0:
@@ -176,6 +192,11 @@ class Chain:
                     continue
             shift, raised = max(shift / EASED, self.unit / len(g)), True
         return None
+
+    @staticmethod
+    def _size(vectors: Floats) -> float:
+        """Length of the longest vector."""
+        return math.sqrt(np.max(np.einsum("...i,...i->...", vectors, vectors), initial=0.0))
 
     def _state(self, frames: Floats) -> Floats:
         """What the iteration turns: the frames themselves."""
@@ -189,7 +210,7 @@ class Chain:
         """The state after spins w."""
         return exp(w) @ state
 
-    def _residual(self, R: Floats, loads: NodalLoads) -> tuple[Floats, tuple[Floats, ...]]:
+    def _residual(self, R: Floats, loads: Any) -> tuple[Floats, tuple[Floats, ...]]:
         """Unbalanced moments (m + 1, 3), and of the intervals: middle frames, moments, chords, forces."""
         theta = log(np.swapaxes(R[:-1], -1, -2) @ R[1:])
         middle = R[:-1] @ exp(0.5 * theta)
@@ -207,6 +228,11 @@ class Chain:
         g[self.held] = 0.0
         return g, (middle, m, chord, n)
 
+    def _axial_forces(self, parts: tuple[Floats, ...]) -> Floats:
+        """Axial force (m,) in the intervals."""
+        _, _, chord, n = parts
+        return np.sum(chord * n, axis=1) / np.linalg.norm(chord, axis=1)
+
     def _interval_forces(self, force: Floats) -> Floats:
         """Force n (m, 3) by which the free side pulls on each interval, from nodal forces (m + 1, 3)."""
         beyond = np.cumsum(force[::-1], axis=0)[::-1][1:]
@@ -217,7 +243,7 @@ class Chain:
         self,
         g: Floats,
         parts: tuple[Floats, ...],
-        loads: NodalLoads,
+        loads: Any,
         R: Floats,
         shift: float,
     ) -> Floats | None:
@@ -263,7 +289,3 @@ def _slots(count: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     inside = np.broadcast_to((column >= 0) & (column < 3 * count), (3, count, 3, 3))
     place = column * (3 * BAND + 1) + 2 * BAND + row - column  # columns of LAPACK's ab, as in band.py
     return place[inside], inside.ravel()
-
-
-def _size(vectors: Floats) -> float:
-    return math.sqrt(np.max(np.einsum("...i,...i->...", vectors, vectors), initial=0.0))

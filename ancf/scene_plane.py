@@ -3,8 +3,9 @@ r"""The plane of a scene: rods and loads that are their own mirror images in it 
 With the unit normal n of a plane through the axes of all rods, the mirror image of a vector is a - 2 (a . n)
 n. A scene is its own image if
 
-    axes, forces, levers, tendons, chambers, magnets and their field lie in the plane      a . n = 0,
+    axes, forces, levers, anchors, tendons, chambers, magnets and their field lie in it    a . n = 0,
     curvatures and moments, axial vectors, stand across it                                 a x n = 0,
+    stiffness matrices of springs and beds have n as a principal axis                      k n x n = 0,
     every section is its own image, and the element and the law see it so.
 
 Then the energy of a shape and of its image are equal, so that the equilibrium that is in the plane stays
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +38,12 @@ ROUNDING = 16.0 * float(np.finfo(float).eps)
 KNOWN = frozenset(
     (
         *("rods", "moments", "forces", "line_loads", "line_moments", "gravity", "magnets", "tendons"),
-        *("pressures", "joints", "solver", "stability", "title"),
+        *("pressures", "springs", "foundations", "joints", "solver", "stability", "title"),
     )
 )
+
+
+UNKNOWN = tuple(field.name for field in fields(Scene) if field.name not in KNOWN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +51,11 @@ class Plane:
     """A plane by its axes (3, 3), as columns in SCS: two in the plane, then the normal."""
 
     axes: Floats
+
+    @cached_property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """Rows of the axes."""
+        return tuple(tuple(row) for row in self.axes.tolist())
 
     @property
     def normal(self) -> Floats:
@@ -63,7 +73,12 @@ class Plane:
 
     def is_along_axis(self, rod: Rod) -> bool:
         """Whether the normal is along the y or the z axis of the sections of a rod."""
-        return min(map(abs, self.in_section(rod))) <= ROUNDING
+        return is_along_axis(self.in_section(rod))
+
+
+def is_along_axis(normal: tuple[float, float]) -> bool:
+    """Whether a normal in the section axes (y, z) is along one of them."""
+    return min(map(abs, normal)) <= ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +163,22 @@ def _vectors(scene: Scene) -> Iterator[Part]:
         if chamber.value:
             centre = rods[chamber.rod].base.rotation[:, 1:] @ chamber.centre
             yield Part(f"pressure[{i}].chamber", "the chamber", centre)
+    for i, spring in enumerate(scene.springs):
+        base = rods[spring.rod].base
+        if np.any(spring.stiffness):
+            yield Part(f"spring[{i}].offset", "its lever", base.rotation[:, 1:] @ spring.offset)
+            if spring.anchor is not None:
+                yield Part(f"spring[{i}].anchor", "the anchor", spring.anchor - base.position)
+
+
+def _stiffnesses(scene: Scene) -> Iterator[tuple[str, Floats]]:
+    """Stiffness matrices (3, 3) of springs to the reference and of beds, at the base of their rods."""
+    for i, spring in enumerate(scene.springs):
+        if spring.anchor is None:
+            yield f"spring[{i}].stiffness", spring.stiffness
+    for i, bed in enumerate(scene.foundations):
+        axes = scene.rod(bed.rod).base.rotation if bed.axes is None else bed.axes
+        yield f"foundation[{i}].stiffness", (axes * bed.stiffness) @ axes.T
 
 
 def _normals(scene: Scene, directions: Directions) -> Iterator[Floats]:
@@ -190,10 +221,10 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
         if tendon.length is not None or tendon.friction > 0.0:
             cause = "tendons with friction or of given length are solved in space"
             return _message(f"tendon[{i}]", f"rod {tendon.rod!r}", cause, plane)
-    for field in fields(scene):
-        if field.name not in KNOWN and getattr(scene, field.name):
+    for name in UNKNOWN:
+        if getattr(scene, name):
             cause = "nothing is known of its mirror image"
-            return _message(field.name, f"the scene lists {field.name}", cause, plane)
+            return _message(name, f"the scene lists {name}", cause, plane)
     shares = directions.leave(plane)
     if np.max(shares) > ROUNDING:
         first = int(np.argmax(shares > ROUNDING))
@@ -202,6 +233,12 @@ def _leaving(scene: Scene, directions: Directions, plane: Plane) -> Message | No
         value = f"{shares[first]:.3g} of {part.what} points {side} across ({plane}), must be 0"
         cause = f"{part.what} leaves the plane of what comes before it"
         return _message(part.where, value, cause, plane)
+    for where, k in _stiffnesses(scene):
+        k_n = k @ plane.normal
+        aside = float(np.abs(k_n - (plane.normal @ k_n) * plane.normal).max())
+        if aside > ROUNDING * np.abs(k).max():
+            cause = "the stiffness joins motions in the plane and out of it"
+            return _message(where, f"{aside:.3g} of the stiffness, must be 0", cause, plane)
     for i, rod in enumerate(scene.rods):
         cause = _seen_in_space(rod, plane)
         if cause:
@@ -221,7 +258,7 @@ def _seen_in_space(rod: Rod, plane: Plane) -> str:
         for section in (part.section, part.section_end):
             if section is not None and not is_mirrored(section, direction):
                 return "the section is not its own mirror image in the plane"
-    if plane.is_along_axis(rod) or not ELEMENTS[rod.element].has_section:
+    if is_along_axis(direction) or not ELEMENTS[rod.element].has_section:
         return ""
     # A plane between the axes of a round section.
     directors = set(ELEMENTS[rod.element].directors)
@@ -244,7 +281,7 @@ def is_mirrored(section: Section, normal: tuple[float, float]) -> bool:
     if isinstance(section, Ellipse) and section.semi_axis_y == section.semi_axis_z:
         return True
     if not isinstance(section, Polygon):
-        return min(map(abs, normal)) <= ROUNDING  # rectangles and ellipses
+        return is_along_axis(normal)  # rectangles and ellipses
     corners = section.corners
     image = corners - 2.0 * np.outer(corners @ normal, normal)
     distance = np.linalg.norm(corners[:, None] - image, axis=-1).min(axis=0)

@@ -86,11 +86,11 @@ def generalised_shape(element: Element, xi: Floats, h: float) -> Floats:
 
 
 def section_frame(element: Element, v0: Floats) -> Floats:
-    """Section frame R_0 (3, 3) of the reference vectors v0 (generalised vectors, 3)."""
+    """Section frames R_0 (..., 3, 3) of reference vectors v0 (..., generalised vectors, 3)."""
     count = len(element.directors)
-    r_y, r_z = v0[count + element.y_director - 1], v0[count + element.z_director - 1]
+    r_y, r_z = v0[..., count + element.y_director - 1, :], v0[..., count + element.z_director - 1, :]
     normal = np.cross(r_y, r_z)
-    frame = np.column_stack([normal / np.linalg.norm(normal), r_y, r_z])
+    frame = np.stack([normal / np.sqrt(np.vecdot(normal, normal))[..., None], r_y, r_z], axis=-1)
     left, _, right = np.linalg.svd(frame)
     return left @ right
 
@@ -102,7 +102,15 @@ def local_gradient(element: Element, v0: Floats, y: Floats, z: Floats) -> tuple[
     axes for any v. Raises `SceneError` when det J_0 <= 0: the section reaches past the centre of curvature.
     """
     weights = gradient_weights(element, y, z)
-    J_l = np.einsum("ba,bi,nij->naj", section_frame(element, v0), v0.T, weights)
+    J_l, _ = reference_gradient(section_frame(element, v0), v0, weights, y, z)
+    return J_l, weights @ np.linalg.inv(J_l)
+
+
+def reference_gradient(
+    frame: Floats, v0: Floats, weights: Floats, y: Floats, z: Floats
+) -> tuple[Floats, Floats]:
+    """J_l (n, 3, 3) and its determinant (n,) at the points y, z of a section with the weights a there."""
+    J_l = np.einsum("ba,bi,nij->naj", frame, v0.T, weights)
     determinant = np.linalg.det(J_l)
     if np.min(determinant) <= 0.0:
         worst = int(np.argmin(determinant))
@@ -115,7 +123,18 @@ def local_gradient(element: Element, v0: Floats, y: Floats, z: Floats) -> tuple[
                 "reduce `curvature` or the section, or use more elements",
             )
         )
-    return J_l, weights @ np.linalg.inv(J_l)
+    return J_l, determinant
+
+
+@lru_cache(maxsize=256)
+def section_points(element: Element, section: Section, degree: int) -> tuple[Floats, ...]:
+    """Points y, z (n,), their weights (n,) [m2], phi (n, directors) and `gradient_weights` of a section."""
+    y, z, area = section.quadrature(degree)
+    phi, _, _ = element.section_monomials(y, z)
+    found = (y, z, area, phi, gradient_weights(element, y, z))
+    for values in found:
+        values.setflags(write=False)
+    return found
 
 
 def strain_matrix(weights_local: Floats) -> Floats:

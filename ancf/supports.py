@@ -26,6 +26,12 @@ class NodeSupport:
     rows: Floats  # (conditions, nd)
 
     @cached_property
+    def held(self) -> NDArray[np.bool_] | None:
+        """Which unknowns (nd,) are held, where the conditions hold whole unknowns; else None."""
+        fixed = (self.rows != 0.0).any(axis=0)
+        return fixed if len(self.rows) == np.count_nonzero(fixed) else None
+
+    @cached_property
     def projector(self) -> Floats:
         """Projector (nd, nd) on the allowed motions."""
         basis = self.basis
@@ -34,12 +40,8 @@ class NodeSupport:
     @cached_property
     def basis(self) -> Floats:
         """Orthonormal allowed motions (nd, free), the node's block of B_2."""
-        nd = self.rows.shape[1]
-        fixed = np.any(self.rows != 0.0, axis=0)
-        if len(self.rows) == np.count_nonzero(
-            fixed
-        ):  # whole components are fixed: keep the unit vectors exact
-            return np.eye(nd)[:, ~fixed]
+        if self.held is not None:  # the unit vectors exactly
+            return np.eye(len(self.held))[:, ~self.held]
         _, singular, right = np.linalg.svd(self.rows)
         return right[np.count_nonzero(singular > 1e-12) :].T
 

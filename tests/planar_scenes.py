@@ -12,6 +12,7 @@ from ancf.materials import SaintVenantKirchhoff
 from ancf.rotation import exp
 from ancf.scene import (
     Force,
+    Foundation,
     Gravity,
     LineLoad,
     LineMoment,
@@ -20,6 +21,7 @@ from ancf.scene import (
     Pressure,
     Rod,
     Scene,
+    Spring,
     Tendon,
 )
 from ancf.scene_plane import Plane, find_plane
@@ -69,6 +71,17 @@ LOADS: dict[str, dict[str, Any]] = {
     "weight": {"gravity": Gravity(np.array([1.0, -2.0, 0.0]))},
     "magnet": {"magnets": (Magnet("arm", np.array([0.1, 0.02, 0]), np.array([0.01, 0.06, 0])),)},
     "tendon": {"tendons": (Tendon("arm", 1.0, np.array([[0.0, 0.006, 0], [0.6, 0.006, 0], [1, 0, 0]])),)},
+    "springs": {
+        "forces": (Force("arm", 1.0, np.array([0.2, 3.0, 0.0]) * FORCE),),
+        "springs": (
+            Spring("arm", 1.0, np.array([[2.0, 1, 0], [1, 4, 0], [0, 0, 3]]) * FORCE / LENGTH),
+            Spring("arm", 0.5, np.eye(3) * FORCE / LENGTH, np.array([0.008, 0]), np.array([0.3, -0.2, 0])),
+        ),
+    },
+    "bed": {
+        "forces": (Force("arm", 1.0, np.array([0.2, 3.0, 0.0]) * FORCE),),
+        "foundations": (Foundation("arm", np.array([1.0, 5, 2]) * FORCE / LENGTH**2, None, 0.2, 0.8),),
+    },
     "chamber": {"pressures": (Pressure("arm", 2e4, np.array([0.004, 0.0]), 0.003, 0.2, 0.9),)},
 }
 

@@ -8,7 +8,13 @@ from ancf.effects import DeadLoad, Effect
 from ancf.quadrature import gauss
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
-from ancf.section_energy import generalised_shape, local_gradient, quadrature_degree
+from ancf.section_energy import (
+    generalised_shape,
+    quadrature_degree,
+    reference_gradient,
+    section_frame,
+    section_points,
+)
 
 # Shape functions are cubic at most and det J_0 of a curved element adds a few degrees; 5 points reach
 # degree 9, which holds the area of a taper (2) and its second moments (4) as well.
@@ -33,15 +39,16 @@ def _weight(model: RodModel, acceleration: np.ndarray) -> DeadLoad:
         material = model.material_of(index)
         if material.density is None:  # refused when the scene was read
             raise ValueError(f"rod {rod.name!r} has no density")
+        frames = section_frame(element, v0) if element.has_section else v0
         for point in range(AXIAL_POINTS):
             if not element.has_section:  # straight in the reference: all its mass is on the axis
                 area = model.section_in(index, float(xi[point])).area
                 mass[row] += 0.5 * h * weight[point] * material.density * area * N[point, 0]
                 continue
             local = rod.prismatic(model.section_in(index, float(xi[point])), material)
-            y, z, area = local.section.quadrature(quadrature_degree(element, local))
-            phi, _, _ = element.section_monomials(y, z)
-            J_l, _ = local_gradient(element, v0[point], y, z)
-            per_length = material.density * (area * np.linalg.det(J_l)) @ phi
+            degree = quadrature_degree(element, local)
+            y, z, area, phi, weights = section_points(element, local.section, degree)
+            _, stretch = reference_gradient(frames[point], v0[point], weights, y, z)
+            per_length = material.density * (area * stretch) @ phi
             mass[row] += 0.5 * h * weight[point] * per_length @ N[point]
     return DeadLoad("gravity", model.dofs, np.einsum("en,a->ena", mass[kind], acceleration))

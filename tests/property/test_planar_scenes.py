@@ -17,6 +17,7 @@ from ancf.planar_model import PlanarModel
 from ancf.reductions import chosen, reduced
 from ancf.scene import (
     Force,
+    Foundation,
     Frame,
     Gravity,
     LineLoad,
@@ -26,6 +27,7 @@ from ancf.scene import (
     Rod,
     Scene,
     SolverOptions,
+    Spring,
     Support,
     Tendon,
 )
@@ -104,7 +106,7 @@ def random_planar(source: Any, element: str) -> Scene:
 
     direction = "fixed" if element == "cable" else source.choice(("fixed", "follower"))
     loads: dict[str, Any] = {}
-    kinds = ("force", "line_load", "weight")
+    kinds = ("force", "line_load", "weight", "springs", "bed")
     if element != "cable":
         kinds = (*kinds, "lever", "moment", "line_moment", "tendon", "chamber")
     for kind in {source.choice(kinds), source.choice(kinds)}:
@@ -117,6 +119,14 @@ def random_planar(source: Any, element: str) -> Scene:
             loads["line_loads"] = (LineLoad("arm", force / LENGTH * along(), direction),)
         elif kind == "weight":
             loads["gravity"] = Gravity(force / LENGTH / ((material.density or 1.0) * section.area) * along())
+        elif kind == "springs":
+            along_axes = force / LENGTH * np.array([source.number(0.0, 9.0) for _ in range(3)])
+            stiffness = (turn * along_axes) @ turn.T
+            anchor = base.position + LENGTH * along()
+            loads["springs"] = (Spring("arm", 1.0, stiffness), Spring("arm", 0.6, stiffness, anchor=anchor))
+        elif kind == "bed":
+            along_axes = force / LENGTH**2 * np.array([source.number(0.0, 9.0) for _ in range(3)])
+            loads["foundations"] = (Foundation("arm", along_axes, turn, 0.0, 0.7),)
         elif kind == "moment":
             definition = source.choice(("section", "vorticity"))
             loads["moments"] = (Moment("arm", 0.8, moment * across(), direction, definition),)

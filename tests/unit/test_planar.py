@@ -204,15 +204,32 @@ def test_steps_of_the_planar_chain_are_newtons(load: str):
     angles = chain._state(chain.R_0) + 0.3 * np.sin(np.arange(len(chain.R_0)))
     angles[0] = chain._state(chain.R_0)[0]
     g, parts = chain._residual(angles, loads)
-    # A moment of next to nothing: with dead forces alone a step from a shape that is no minimum is refused.
-    loads = replace(loads, turning_moment=loads.turning_moment + 1e-300)
+    # With dead forces alone a step from a shape that is no minimum is refused.
+    loads = replace(loads, dead_forces_only=False)
     w = chain._step(g, parts, loads, angles, 0.0)
     assert w is not None
     small = 1e-6 / np.abs(w).max()
-    ahead, behind = (chain._residual(angles + sign * small * w[:, 0], loads)[0] for sign in (1.0, -1.0))
+    ahead, behind = (chain._residual(angles + sign * small * w, loads)[0] for sign in (1.0, -1.0))
     change = (ahead - behind) / (2.0 * small)
     # sinc, by which a chord is shorter than its arc, is taken as it stands.
     np.testing.assert_allclose(change, -g, atol=2e-2 * np.abs(g).max())
+
+
+@pytest.mark.parametrize("load", ["lever", "follower", "line load", "line moment", "weight"])
+@pytest.mark.parametrize("at", [0.0, 0.5])
+def test_the_planar_chain_bends_as_the_one_in_space(load: str, at: float):
+    """Frames and axial forces of two codes, one of angles and complex numbers, the other of rotations."""
+    rod = arm(curvature=np.array([0.0, 0.0, 2.0]), supports=(Support(at, "clamp"),))
+    one = scene(rod, **{"forces": (), **LOADS[load]})
+    model = Model(one).rods[0]
+    chain, loads = chain_of(model), nodal_loads(one, model)
+    planar, turned = in_plane(chain, loads, find(one))
+    spatial, found = chain.equilibrium(loads, chain.R_0), planar.equilibrium(turned, planar.R_0)
+    assert spatial is not None and found is not None
+    # Both end once their unbalanced moments are below 1e-6 E I/L.
+    np.testing.assert_allclose(found[0], spatial[0], atol=1e-6)
+    np.testing.assert_allclose(found[1], spatial[1], atol=1e-5 * FORCE)
+    assert np.abs(found[0] - chain.R_0).max() > 0.01
 
 
 def strip(share: float, **options: Any) -> Scene:

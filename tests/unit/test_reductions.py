@@ -14,8 +14,10 @@ from ancf.effects.tendon import PulledTendon
 from ancf.errors import Message
 from ancf.model import Model
 from ancf.reductions import has_potential
+from ancf.rotation import exp
 from ancf.scene import (
     Force,
+    Foundation,
     Frame,
     Gravity,
     LineLoad,
@@ -25,6 +27,7 @@ from ancf.scene import (
     Pressure,
     Scene,
     SolverOptions,
+    Spring,
     Tendon,
 )
 from ancf.scene_plane import find_plane, is_mirrored
@@ -99,6 +102,14 @@ LEAVING = {
     "pressure[0].chamber": scene(arm(), pressures=(Pressure("arm", 1e4, np.array([0, 0.004]), 0.003),)),
     "magnet[0].field": scene(
         arm(), magnets=(Magnet("arm", np.array([0.1, 0, 0]), np.array([0.0, 0, 0.1])),)),
+    "spring[0].stiffness": scene(
+        arm(), springs=(Spring("arm", 1.0, np.array([[1.0, 0, 0], [0, 1, 0.1], [0, 0.1, 2]])),)),
+    "spring[0].anchor": scene(
+        arm(), springs=(Spring("arm", 1.0, np.eye(3), anchor=np.array([0.4, 0, 0.1])),)),
+    "spring[0].offset": scene(arm(), springs=(Spring("arm", 1.0, np.eye(3), np.array([0.0, 0.005])),)),
+    "foundation[0].stiffness": scene(
+        arm(base=Frame(np.zeros(3), exp(np.array([0.3, 0, 0])))),
+        foundations=(Foundation("arm", np.array([0.0, 1, 2]), None),)),
     "line_load[0]": scene(arm(), line_loads=(LineLoad("arm", np.array([0, 0, 0.1])),)),
     "line_moment[0]": scene(arm(), line_moments=(LineMoment("arm", np.array([0.01, 0, 0])),)),
 }  # fmt: skip
@@ -126,7 +137,7 @@ def test_a_load_near_the_axis_tells_the_plane_of_a_round_rod(off: float):
 
 def test_effects_that_the_plane_does_not_know_are_solved_in_space(monkeypatch: pytest.MonkeyPatch):
     """As if contact had come and nobody had thought of its mirror image."""
-    monkeypatch.setattr(scene_plane, "KNOWN", scene_plane.KNOWN - {"gravity"})
+    monkeypatch.setattr(scene_plane, "UNKNOWN", (*scene_plane.UNKNOWN, "gravity"))
     one = scene(arm(), gravity=Gravity(np.array([0.0, -1.0, 0.0])))
     found = find_plane(one)
     assert isinstance(found, Message) and found.where == "gravity"
