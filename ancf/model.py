@@ -270,8 +270,10 @@ class Model:
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum."""
-        return self._effect_sums.potential(self.q0, 0.0) is not None
+        """Whether all that acts has a potential: the tangent is symmetric, and stability is a minimum."""
+        constraints = [] if self.constraints is None else self.constraints.models
+        held = all(one.conservative for one in constraints)
+        return held and self._effect_sums.potential(self.q0, 0.0) is not None
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
         """Whether an equilibrium q (n,) is a minimum of the potential, by its tangent and factors."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ancf.effects import Effect
 from ancf.rod_model import RodModel
-from ancf.scene import Scene, Tendon
+from ancf.scene import Scene
 from ancf.tendon_path import TendonPath
 
 Floats = NDArray[np.float64]
@@ -29,11 +29,12 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     found: list[Effect] = []
     for tendon in scene.pulled_tendons:
         if tendon.friction > 0.0:
-            from ancf.effects.tendon_friction import RubbingTendon
+            from ancf.effects.tendon_friction import rubbing_tendon
 
-            found.append(RubbingTendon(models[tendon.rod], tendon))
+            found.append(rubbing_tendon(models[tendon.rod], tendon))
         else:
-            found.append(PulledTendon(models[tendon.rod], tendon))
+            assert tendon.tension is not None
+            found.append(PulledTendon(tendon.tension, TendonPath(models[tendon.rod], tendon.path)))
     return found
 
 
@@ -42,11 +43,10 @@ class PulledTendon(Effect):
 
     name = "tendon"
 
-    def __init__(self, model: RodModel, tendon: Tendon) -> None:
-        assert tendon.tension is not None
-        self.tension = tendon.tension  # N
-        self.path = TendonPath(model, tendon.path)
-        self.dofs = self.path.dofs
+    def __init__(self, tension: float, path: TendonPath) -> None:
+        self.tension = tension  # N
+        self.path = path
+        self.dofs = path.dofs
 
     def length(self, e: Floats) -> float:
         """Length [m] at the nodal vectors e (m, nodal, 3)."""
