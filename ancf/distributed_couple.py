@@ -5,7 +5,8 @@ between effects is the couple as a function of the section's rotation R,
 
     fixed in space       m = m_0             dm = 0
     turning with it      m = R m_0           dm = dw x m
-    magnetic             m = (R p) x B       dm = (dw x R p) x B,     V = -int (R p) . B dx.
+    magnetic             m = (R p) x B       dm = (dw x R p) x B,     V = -int (R p) . B dx
+    elastic              turning_springs.py.
 """
 
 from __future__ import annotations
@@ -28,13 +29,20 @@ class DistributedCouple(Effect):
 
     def __init__(self, model: RodModel) -> None:
         xi, _ = gauss(model.axial_points)
-        self.dofs = model.dofs
-        self.N = np.array([model.element.shape(xi, float(h)) for h in model.mesh.h])
-        d0 = self.N @ model.e0[:, None]
-        self.W = model.weights_at(xi, d0)
-        self.weight = model.axial_weights[..., None]
+        N = np.array([model.element.shape(xi, float(h)) for h in model.mesh.h])
+        W = model.weights_at(xi, N @ model.e0[:, None])
+        self._place(model.dofs, N, W, model.axial_weights)
+
+    def _place(self, dofs: NDArray[np.intp], N: Floats, W: Floats, weight: Floats) -> None:
+        """Take the sections of the blocks dofs (n_el, nd), with their integration weights (n_el, points).
+
+        N (n_el, points, directors, nodal) maps nodal vectors to directors, W (n_el, points, directors, 3)
+        are the weights of the section rotation.
+        """
+        self.dofs, self.N, self.W = dofs, N, W
+        self.weight = weight[..., None]
         # (n_el, nodal, points directors): sums over points and directors are one product.
-        self._to_nodes = np.moveaxis(self.N, 3, 1).reshape(len(self.N), self.N.shape[3], -1)
+        self._to_nodes = np.moveaxis(N, 3, 1).reshape(len(N), N.shape[3], -1)
 
     @abstractmethod
     def couple(self, R: Floats) -> Floats:

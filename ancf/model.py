@@ -160,6 +160,10 @@ class Model:
         """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
         return min((effect.room(q, q_new) for effect in self.contacts), default=np.inf)
 
+    def is_known(self, q: Floats) -> bool:
+        """Whether every effect can tell the state q (n,) from others."""
+        return all(effect.is_known(q) for effect in self.effects)
+
     @property
     def unknowns(self) -> int:
         """Number of unknowns that the supports leave."""

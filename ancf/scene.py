@@ -287,7 +287,7 @@ class Scene:
     @property
     def held_on_the_way(self) -> bool:
         """Whether springs or foundations resist the loads besides the rods."""
-        return any(np.any(held.stiffness) for held in (*self.springs, *self.foundations))
+        return any(held.holds for held in (*self.springs, *self.foundations))
 
     def rod(self, name: str) -> Rod:
         """Return the rod of that name; raises KeyError for an unknown one."""
