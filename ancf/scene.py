@@ -191,9 +191,11 @@ class Joint:
     """A connection of the section `a` with the section `b`, or with the ground where b is None.
 
     ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
-    unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
-    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Two
-    sections that are `apart` in the reference are brought together by the load factor.
+    unit vector, at the reference), ``twist`` holds that alone, ``ball`` leaves every rotation. The position
+    is held `along` unit vectors (k, 3), as a rule all three; `hold` are the components that a motion lists
+    (scene_motions.py). Against the ground the section may be moved: by `displacement` [m] and by the rotation
+    vector `rotation` [rad, SCS], both times the load factor. Two sections that are `apart` in the reference
+    are brought together by the load factor.
     """
 
     kind: str
@@ -203,10 +205,12 @@ class Joint:
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     apart: bool = False
+    along: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    hold: tuple[str, ...] = ()
 
     @property
     def across(self) -> NDArray[np.float64]:
-        """Two unit vectors (2, 3) across the axis, rotations about which a hinge holds."""
+        """Two unit vectors (2, 3) across the axis, rotations about which a hinge holds and a twist leaves."""
         return np.linalg.svd(self.axis[None])[2][1:]
 
     @property
