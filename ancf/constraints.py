@@ -48,6 +48,7 @@ class Constraint(ABC):
     energy : E I/L [J], which makes its equations dimensionless
     gap_unit : (conditions,) units of the conditions
     longest_step : largest step of the load factor, by which the motion it prescribes stays near
+    conservative : whether its forces are those of its conditions, so that its tangent is symmetric
     """
 
     name: str
@@ -59,6 +60,7 @@ class Constraint(ABC):
     energy: float
     gap_unit: Floats
     longest_step: float = np.inf
+    conservative: bool = True
 
     @property
     def conditions(self) -> int:
@@ -93,10 +95,10 @@ class Constraints:
                 self.joints.append(JointModel(joint, rods, self.end))
                 self.end += self.joints[-1].conditions
         if scene.controlled_tendons:
-            from ancf.tendon_length import TendonLength, estimated_multipliers
+            from ancf.tendon_length import estimated_multipliers, tendon_length
 
             for tendon in scene.controlled_tendons:
-                self.tendons.append(TendonLength(tendon, rods, self.end))
+                self.tendons.append(tendon_length(tendon, rods, self.end))
                 self.end += self.tendons[-1].conditions
             for one, m in zip(self.tendons, estimated_multipliers(scene, self.tendons), strict=True):
                 one.expected = float(m)

@@ -132,7 +132,8 @@ def _with(scene: Scene, **options: float) -> Scene:
 def _tip_is_held(scene: Scene, rod: RodModel) -> bool:
     """Whether the position of the rod's tip is prescribed."""
     name = rod.rod.name
-    grounded = [joint.a.at for joint in scene.joints if joint.b is None and joint.a.rod == name]
+    held = [joint for joint in scene.joints if joint.b is None and len(joint.along) == 3]
+    grounded = [joint.a.at for joint in held if joint.a.rod == name]
     return any(at > 1.0 - SAME_PLACE for at in [support.at for support in rod.rod.supports] + grounded)
 
 

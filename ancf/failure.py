@@ -64,6 +64,10 @@ _CAUSES = {
         "the path turns sharply or branches there",
         "start the path with a small imperfection, or use more elements",
     ),
+    Outcome.OVERTURNED: (
+        "a rotational spring or bed knows rotations below half a turn: beyond it their sense is lost",
+        "load the rod less, or replace the spring by the moment that it would exert",
+    ),
     Outcome.CHATTERING: (
         "tendons of given length change between taut and slack: near there the rod is not stable",
         "give one of them a tension, or change the lengths slightly",
@@ -120,6 +124,8 @@ def explain(model: Model, trace: Trace) -> Message:
     value = f"residual {failed.residual:.2e} > {max(options.tolerance, failed.floor):.1e} after {tried}"
     if failed.outcome is Outcome.OFF_PATH:
         value = f"after {tried} the next equilibrium found lies elsewhere, or a joint is half a turn off"
+    if failed.outcome is Outcome.OVERTURNED:
+        value = f"after {tried} a section on a rotational spring is turned by more than 3 rad"
     if not np.isfinite(failed.residual):
         value = f"residual not finite after {tried}"
     cause, advice = _CAUSES.get(failed.outcome, ("", ""))

@@ -2,7 +2,7 @@ r"""Joints between sections, and of sections with the ground, by Lagrange multip
 
 A joint adds to the potential lambda . c + sum_i mu_i g_i with the conditions
 
-    c   = (r_a - r_a0) - (r_b - r_b0) - l u = 0,                    the gap,
+    c_j = a_j . [(r_a - r_a0) - (r_b - r_b0) - l u] = 0,            the gap along a_j, as a rule x, y, z,
     g_i = sum_t w_it (R_a x_it) . (B y_it) = 0,                     what the rotations may not do,
 
 R_a, R_b the polar rotations of the sections against their reference (rotation.py), B = R_b Exp(l phi), or on
@@ -11,7 +11,9 @@ l. Between two rods u and phi are not zero where they are apart in the reference
 the axes e of SCS and D = B^T R_a
 
     rigid   g = axial part of D, so 1/2 (D_32 - D_23) and so on: sin(angle) times its axis;
-    hinge   g = (t_1 . D n, t_2 . D n), n the axis and t_1, t_2 across it; ball: none.
+    hinge   g = (t_1 . D n, t_2 . D n), n the axis and t_1, t_2 across it; ball: none
+    twist   g = n . axial part of D: with the unit quaternion (w, v) of D it is 2 w n . v, and n . v = 0 where
+            D turns about an axis across n (scene_motions.py). Its moment is about n half turned with D.
 
 D is near the identity at the solution, whatever the turns of either section, so nothing wraps. From
 dg_i = m_i . (w_a - w_b) with m_i = sum_t w_it R_a x_it x B y_it, w the spins, the sections take the moments
@@ -23,8 +25,8 @@ The result is a potential's, so its second derivative below is exact and symmetr
 
 Symbols
 -------
-lambda   force multiplier (3,) [N]: the section b pulls a by -lambda
-mu       moment multipliers (3 rigid, 2 hinge, 0 ball) [N m], in the axes of B
+lambda   force multipliers (3 as a rule) [N]: the section b pulls a by -sum_j lambda_j a_j
+mu       moment multipliers (3 rigid, 2 hinge, 1 twist, 0 ball) [N m], in the axes of B
 x        unknowns of one joint (nd,): nodal vectors of the element of a, of b, lambda, mu
 """
 
@@ -48,6 +50,7 @@ Indices = NDArray[np.intp]
 
 # A load step turns a section by no more [rad]: at pi a rotation and its opposite cannot be told apart.
 LONGEST_TURN = 1.0
+LARGEST_SWING = 2.9  # rad; at pi a twist has no sense
 LONGEST_SHIFT = 0.25  # rod lengths by which a load step moves a section
 
 
@@ -108,6 +111,9 @@ def turning_conditions(joint: Joint) -> tuple[Floats, Floats, Floats]:
         pairs = [(1, 2), (2, 0), (0, 1)]
         x = np.array([[e[j], e[k]] for j, k in pairs])
         return np.tile([0.5, -0.5], (3, 1)), x, x[:, ::-1]
+    if joint.kind == "twist":
+        t = joint.across
+        return np.array([[0.5, -0.5]]), t[None], t[None, ::-1]
     if joint.kind == "hinge":
         return np.ones((2, 1)), np.tile(joint.axis, (2, 1, 1)), joint.across[:, None]
     return np.empty((0, 1)), np.empty((0, 1, 3)), np.empty((0, 1, 3))
@@ -127,15 +133,16 @@ class JointModel(Constraint):
             self.displacement, self.rotation = closing_motion(*a, *b)
         if joint.kind == "ball":  # which turns nothing
             self.rotation = np.zeros(3)
+        self.along = joint.along
         self.w, self.x, self.y = turning_conditions(joint)
-        self.multipliers = first + np.arange(3 + len(self.w))
+        self.multipliers = first + np.arange(len(self.along) + len(self.w))
         self.dofs = np.concatenate([*(s.point.dofs for s in self.sections), self.multipliers])
         self.rows, self.columns = np.repeat(self.dofs, len(self.dofs)), np.tile(self.dofs, len(self.dofs))
         self.held_dofs = np.concatenate([s.held_dofs for s in self.sections])
         # By the first rod: the unit of force is its E I / L^2, of moment E I / L.
         rod = self.sections[0].rod
         self.energy = rod.bending_stiffness / rod.rod.length
-        self.gap_unit = np.repeat([rod.rod.length, 1.0], [3, len(self.w)])
+        self.gap_unit = np.repeat([rod.rod.length, 1.0], [len(self.along), len(self.w)])
         self.longest_step = self._longest_step()
 
     def _longest_step(self) -> float:
@@ -150,6 +157,11 @@ class JointModel(Constraint):
         cuts = np.cumsum([s.point.dofs.size for s in self.sections])
         return [part.reshape(-1, 3) for part in np.split(x, cuts)[: len(cuts)]]
 
+    def _multipliers(self, x: Floats) -> tuple[Floats, Floats]:
+        """sum_j lambda_j a_j (3,) and mu (k,)."""
+        own = x[-self.conditions :]
+        return own[: len(self.along)] @ self.along, own[len(self.along) :]
+
     def _other(self, rotations: list[SectionRotation], load_factor: float) -> Floats:
         """B (3, 3): rotation of the section b, or of the ground, and what the joint turns a against it."""
         turn = exp(load_factor * self.rotation)
@@ -159,7 +171,7 @@ class JointModel(Constraint):
         """See `Constraint.terms`."""
         e = self._vectors(x)
         rotations = [s.rotation(part) for s, part in zip(self.sections, e, strict=True)]
-        force, mu = x[-self.conditions :][:3], x[-self.conditions :][3:]
+        force, mu = self._multipliers(x)
         R_a, B = rotations[0].R, self._other(rotations, load_factor)
         X, Y = self.x @ R_a.T, self.y @ B.T  # (k, terms, 3)
         m_i = np.einsum("it,itj->ij", self.w, np.cross(X, Y))
@@ -168,22 +180,22 @@ class JointModel(Constraint):
 
         size = len(x)
         g, rate, K = np.zeros(size), np.zeros(size), np.zeros((size, size))
-        gap, turn = slice(size - self.conditions, size - self.conditions + 3), slice(-len(mu) or size, None)
-        g[gap] = -load_factor * self.displacement
+        gap, turn = slice(size - self.conditions, size - len(mu)), slice(size - len(mu), None)
+        g[gap] = -load_factor * self.along @ self.displacement
         g[turn] = np.einsum("it,itj,itj->i", self.w, X, Y)
-        rate[gap] = -self.displacement
+        rate[gap] = -self.along @ self.displacement
         spins, start = [], 0
         for sign, s, rotation, part in zip((1.0, -1.0), self.sections, rotations, e, strict=False):
             here = slice(start, start + part.size)
             spin = rotation.spin().reshape(3, -1)
             dw = spin @ s.to_directors
             g[here] = (sign * (np.outer(s.shape, force) + s.point.N.T @ rotation.couple(m))).ravel()
-            g[gap] += sign * (s.shape @ part - s.r_0)
+            g[gap] += sign * self.along @ (s.shape @ part - s.r_0)
             own = sign * (M if sign > 0.0 else -M.T)
             K[here, here] = (
                 s.to_directors.T @ rotation.couple_tangent(sign * m, own @ spin, spin) @ s.to_directors
             )
-            rows = np.concatenate([sign * s.to_position, sign * m_i @ dw])
+            rows = np.concatenate([sign * self.along @ s.to_position, sign * m_i @ dw])
             K[size - self.conditions :, here] = rows
             K[here, size - self.conditions :] = rows.T
             spins.append((here, dw))
@@ -207,6 +219,8 @@ class JointModel(Constraint):
         D = self._other(rotations, load_factor).T @ rotations[0].R
         if self.joint.kind == "rigid":
             return float(np.trace(D)) > 1.0  # less than a right angle between them
+        if self.joint.kind == "twist":
+            return float(np.trace(D)) > 2.0 * np.cos(LARGEST_SWING) + 1.0
         return self.joint.kind == "ball" or float(self.joint.axis @ D @ self.joint.axis) > 0.0
 
     def forces(self, x: Floats, load_factor: float) -> tuple[Floats, Floats]:
@@ -214,4 +228,5 @@ class JointModel(Constraint):
         rotations = [s.rotation(part) for s, part in zip(self.sections, self._vectors(x), strict=True)]
         X, Y = self.x @ rotations[0].R.T, self.y @ self._other(rotations, load_factor).T
         m_i = np.einsum("it,itj->ij", self.w, np.cross(X, Y))
-        return -x[-self.conditions :][:3], -x[-self.conditions :][3:] @ m_i
+        force, mu = self._multipliers(x)
+        return -force, -mu @ m_i

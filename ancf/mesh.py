@@ -84,7 +84,7 @@ def loaded_places(scene: Scene, rod: Rod) -> list[float]:
     """Fractions of the length at which moments, forces and springs act on a rod."""
     # A load of zero magnitude must not even move the mesh.
     acting = [load for load in (*scene.moments, *scene.forces) if load.rod == rod.name and np.any(load.value)]
-    springs = [spring for spring in scene.springs if spring.rod == rod.name and np.any(spring.stiffness)]
+    springs = [spring for spring in scene.springs if spring.rod == rod.name and spring.holds]
     return [load.at for load in (*acting, *springs)]
 
 

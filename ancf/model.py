@@ -163,6 +163,10 @@ class Model:
         """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
         return min((effect.room(q, q_new) for effect in self.settling), default=np.inf)
 
+    def is_known(self, q: Floats) -> bool:
+        """Whether every effect can tell the state q (n,) from others."""
+        return all(effect.is_known(q) for effect in self.effects)
+
     @property
     def unknowns(self) -> int:
         """Number of unknowns that the supports leave."""
@@ -274,11 +278,13 @@ class Model:
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether every effect has a potential: the tangent is symmetric, and stability is a minimum.
+        """Whether all that acts has a potential: the tangent is symmetric, and stability is a minimum.
 
         By the values of the loads: a moment of value zero does not count.
         """
-        return self._effect_sums.potential(self.q0, 0.0) is not None
+        constraints = [] if self.constraints is None else self.constraints.models
+        held = all(one.conservative for one in constraints)
+        return held and self._effect_sums.potential(self.q0, 0.0) is not None
 
     def is_minimum(self, q: Floats, load_factor: float, factors: Factors, flat: Floats) -> bool:
         """Whether an equilibrium q (n,) is a minimum of the potential, by its tangent and factors."""

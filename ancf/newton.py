@@ -59,6 +59,7 @@ class Outcome(enum.Enum):
     STAGNATED = "residual stagnates above its floor"
     OUT_OF_TIME = "time limit reached"
     OFF_PATH = "the step lands on another branch"
+    OVERTURNED = "a rotational spring is turned by half a turn or more"
     CHATTERING = "tendons change between taut and slack without end"
 
 
@@ -191,6 +192,8 @@ class NewtonRun:
     def _settled(self) -> Outcome | None:
         """An equilibrium: it counts where constraints are met as they are meant; tendons may change side."""
         model, constraints = self.model, self.model.constraints
+        if not model.is_known(self.q):
+            return Outcome.OVERTURNED
         if constraints is None:
             return Outcome.CONVERGED
         self._sides.append(constraints.sides)

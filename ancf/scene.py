@@ -194,9 +194,11 @@ class Joint:
     """A connection of the section `a` with the section `b`, or with the ground where b is None.
 
     ``rigid`` holds position and rotation against each other, ``hinge`` leaves the rotation about `axis` (SCS,
-    unit vector, at the reference), ``ball`` every rotation. Against the ground the section may be moved: by
-    `displacement` [m] and by the rotation vector `rotation` [rad, SCS], both times the load factor. Two
-    sections that are `apart` in the reference are brought together by the load factor.
+    unit vector, at the reference), ``twist`` holds that alone, ``ball`` leaves every rotation. The position
+    is held `along` unit vectors (k, 3), as a rule all three; `hold` are the components that a motion lists
+    (scene_motions.py). Against the ground the section may be moved: by `displacement` [m] and by the rotation
+    vector `rotation` [rad, SCS], both times the load factor. Two sections that are `apart` in the reference
+    are brought together by the load factor.
     """
 
     kind: str
@@ -206,10 +208,12 @@ class Joint:
     displacement: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     apart: bool = False
+    along: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    hold: tuple[str, ...] = ()
 
     @property
     def across(self) -> NDArray[np.float64]:
-        """Two unit vectors (2, 3) across the axis, rotations about which a hinge holds."""
+        """Two unit vectors (2, 3) across the axis, rotations about which a hinge holds and a twist leaves."""
         return np.linalg.svd(self.axis[None])[2][1:]
 
     @property
@@ -301,7 +305,7 @@ class Scene:
     @property
     def held_on_the_way(self) -> bool:
         """Whether springs or foundations resist the loads besides the rods."""
-        return any(np.any(held.stiffness) for held in (*self.springs, *self.foundations))
+        return any(held.holds for held in (*self.springs, *self.foundations))
 
     def rod(self, name: str) -> Rod:
         """Return the rod of that name; raises KeyError for an unknown one."""

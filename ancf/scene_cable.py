@@ -72,8 +72,18 @@ def could_be_cable(scene: Scene, rod: Rod) -> bool:
     on_sections = (*scene.moments, *scene.line_moments, *scene.magnets, *scene.tendons, *scene.pressures)
     on_axis = (*scene.forces, *scene.line_loads)
     levers = any(load.rod == rod.name and np.any(load.offset) for load in scene.forces)
+    springs = any(
+        held.rod == rod.name and np.any(held.rotational_stiffness)
+        for held in (*scene.springs, *scene.foundations)
+    ) or any(spring.rod == rod.name and np.any(spring.offset) for spring in scene.springs)
     turning = any(load.rod == rod.name and load.direction == "follower" for load in on_axis)
-    if rod.element == "cable" or levers or turning or any(load.rod == rod.name for load in on_sections):
+    if (
+        rod.element == "cable"
+        or levers
+        or springs
+        or turning
+        or any(load.rod == rod.name for load in on_sections)
+    ):
         return False
     try:
         check_cable(Table({}, "", ""), rod, any(rod.name in (p.rod for p in j.places) for j in scene.joints))

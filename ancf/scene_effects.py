@@ -121,7 +121,8 @@ class Pressure:
 class Spring:
     """A spring on the point (y, z) of a section, with the stiffness matrix (3, 3) [N/m] in SCS.
 
-    Without an anchor it resists displacements from the reference; with one [m, SCS] it acts along the line to
+    Without an anchor it resists displacements from the reference, and the section's rotation by the matrix
+    `rotational_stiffness` (3, 3) [N m/rad] in SCS; with one [m, SCS] it acts along the line to
     it, with the stiffness that its matrix has on the diagonal. `free_length` [m] is that without force, None
     the distance in the reference.
     """
@@ -132,13 +133,20 @@ class Spring:
     offset: NDArray[np.float64] = field(default_factory=lambda: np.zeros(2))  # m
     anchor: NDArray[np.float64] | None = None
     free_length: float | None = None
+    rotational_stiffness: NDArray[np.float64] = field(default_factory=lambda: np.zeros((3, 3)))
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has any stiffness."""
+        return bool(np.any(self.stiffness) or np.any(self.rotational_stiffness))
 
 
 @dataclass(frozen=True, eq=False)
 class Foundation:
     """An elastic bed under a part of a rod: stiffnesses (3,) [N/m2] per reference length along `axes`.
 
-    `axes` (3, 3) are columns in SCS, None those of each reference section (x along the rod).
+    `axes` (3, 3) are columns in SCS, None those of each reference section (x along the rod);
+    `rotational_stiffness` (3,) [N/rad] per reference length resists the rotation of the sections about them.
     """
 
     rod: str
@@ -146,6 +154,12 @@ class Foundation:
     axes: NDArray[np.float64] | None = field(default_factory=lambda: np.eye(3))
     start: float = 0.0
     end: float = 1.0
+    rotational_stiffness: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has any stiffness."""
+        return bool(np.any(self.stiffness) or np.any(self.rotational_stiffness))
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
 from ancf.scene_contacts import check_options, read_contacts
 from ancf.scene_effects import EFFECT_MODULES
-from ancf.scene_joints import joined_rods, motion_as_joint, read_joints
+from ancf.scene_joints import joined_rods, moved_rods, read_joints
 from ancf.scene_loads import (
     read_force,
     read_gravity,
@@ -117,10 +117,11 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "a scene needs at least one rod to simulate",
             "add a [[rod]] table with length, elements, section and material, or with segments",
         )
-    joined = joined_rods(data, [str(entry.data.get("name", default_name(0))) for entry in entries[:1]])
+    first = [str(entry.data.get("name", default_name(0))) for entry in entries[:1]]
+    joined, moved = joined_rods(data, first), moved_rods(data, first)
     solver = read_solver(table.table("solver")) if "solver" in table.data else SolverOptions()
     meshed = solver.accuracy is None
-    rods = tuple(read_rod(entry, index, joined, meshed) for index, entry in enumerate(entries))
+    rods = tuple(read_rod(entry, index, joined, meshed, moved) for index, entry in enumerate(entries))
     _check_names(entries, rods)
     scene = Scene(
         rods=rods,
@@ -136,11 +137,7 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
         contacts=read_contacts(table, rods),
         added=read_added(table, brought, rods),
-        joints=read_joints(
-            [*table.tables("joint"), *(motion_as_joint(entry) for entry in table.tables("motion"))],
-            entries,
-            rods,
-        ),
+        joints=read_joints(table.tables("joint"), table.tables("motion"), entries, rods),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),

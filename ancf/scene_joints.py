@@ -1,5 +1,7 @@
 r"""Reading of `[[joint]]` tables, and the refusal of mechanisms and of joints that hold twice.
 
+A `[[motion]]` (scene_motions.py) is a joint with the ground.
+
 For small motions of rigid rods, t_i + w_i x r each, supports and joints are linear conditions. If they have
 less than six independent ones for each rod, the structure is a mechanism. Rods bend, so the sections of one
 rod move freely against each other: conditions that depend on each other at one place (a joint at a clamp, a
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 from ancf.mesh import reference_axis
 from ancf.rotation import hat
 from ancf.scene import SAME_PLACE, Joint, Place, Rod
+from ancf.scene_motions import read_motion
 from ancf.scene_rods import read_direction
 from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, show
 from ancf.units import LENGTH, NUMBER
@@ -43,42 +46,26 @@ def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
     return {name for name in found if isinstance(name, str)}
 
 
+def moved_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
+    """Rods that motions of the raw scene name, before anything is checked."""
+    motions = data.get("motion", ())
+    motions = motions if isinstance(motions, list | tuple) else ()
+    found = [m.get("rod", names[0] if names else "") for m in motions if isinstance(m, Mapping)]
+    return {name for name in found if isinstance(name, str)}
+
+
 def read_joints(
-    entries: Sequence[Table], rod_entries: Sequence[Table], rods: Sequence[Rod]
+    entries: Sequence[Table], motions: Sequence[Table], rod_entries: Sequence[Table], rods: Sequence[Rod]
 ) -> tuple[Joint, ...]:
-    """Read the joints of a scene; what they leave movable or hold twice is refused."""
-    joints = tuple(_read_joint(entry, rods) for entry in entries)
+    """Read the joints and motions of a scene; what they leave movable or hold twice is refused."""
+    joints = (
+        *(_read_joint(entry, rods) for entry in entries),
+        *(read_motion(entry, rods) for entry in motions),
+    )
     if joints:
-        _check_redundant(entries, joints, rods)
+        _check_redundant([*entries, *motions], joints, rods)
         _check_mechanism(rod_entries, joints, rods)
     return joints
-
-
-def motion_as_joint(entry: Table) -> Table:
-    """A `[[motion]]` as the joint with the ground that prescribes it: rigid, a ball for a position alone."""
-    entry.expect_keys(("rod", "at", "hold", "displacement", "rotation"))
-    hold = entry.word("hold", ("pose", "position"), "pose")
-    if not {"displacement", "rotation"} & set(entry.data):
-        entry.refuse(
-            "displacement",
-            "The motion moves nothing.",
-            "neither displacement nor rotation",
-            "a section that is only held is a support or a joint",
-            'add displacement = [x, y, z], or use supports or a [[joint]] with b = "ground"',
-        )
-    if hold == "position" and "rotation" in entry.data:
-        entry.refuse(
-            "rotation",
-            "The rotation is given and left free.",
-            f'rotation = {show(entry.data["rotation"])} with hold = "position"',
-            "a section that is held by its position alone turns as it likes",
-            'write hold = "pose", or remove rotation',
-        )
-    place = {key: entry.data[key] for key in ("rod", "at") if key in entry.data}
-    moved = {key: entry.data[key] for key in ("displacement", "rotation") if key in entry.data}
-    kind = "rigid" if hold == "pose" else "ball"
-    data = {"kind": kind, "a": {"at": 1.0, **place}, "b": GROUND, **moved}
-    return Table(data, entry.source, entry.path)
 
 
 def _read_joint(table: Table, rods: Sequence[Rod]) -> Joint:
@@ -188,17 +175,18 @@ def _turns_held(joint: Joint) -> Floats:
     """Rows (k, 3) of the rotations that a joint holds."""
     if joint.kind == "rigid":
         return np.eye(3)
-    return joint.across if joint.kind == "hinge" else np.empty((0, 3))
+    return {"hinge": joint.across, "twist": joint.axis[None]}.get(joint.kind, np.empty((0, 3)))
 
 
 def _rows(joint: Joint, columns: Sequence[int], arms: Sequence[Floats], size: int) -> Floats:
     """Conditions (k, size) of a joint on motions (t, w) that begin at `columns`; arms (3,) to the joint."""
-    turns = _turns_held(joint)
-    rows = np.zeros((3 + len(turns), size))
+    along, turns = joint.along, _turns_held(joint)
+    count = len(along)
+    rows = np.zeros((count + len(turns), size))
     for sign, column, arm in zip((1.0, -1.0), columns, arms, strict=False):
-        rows[:3, column : column + 3] += sign * np.eye(3)
-        rows[:3, column + 3 : column + 6] -= sign * hat(arm)
-        rows[3:, column + 3 : column + 6] += sign * turns
+        rows[:count, column : column + 3] += sign * along
+        rows[:count, column + 3 : column + 6] -= sign * along @ hat(arm)
+        rows[count:, column + 3 : column + 6] += sign * turns
     return rows
 
 

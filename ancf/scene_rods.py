@@ -53,10 +53,17 @@ def default_name(index: int) -> str:
     return "rod" if index == 0 else f"rod{index + 1}"
 
 
-def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: bool = True) -> Rod:
-    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold.
+def read_rod(
+    table: Table,
+    index: int,
+    joined: Collection[str] = (),
+    meshed: bool = True,
+    moved: Collection[str] = (),
+) -> Rod:
+    """Read one `[[rod]]` table; `joined` and `moved` are the names of rods that joints and motions hold.
 
-    Unless it is `meshed` it has no elements yet: `accuracy` chooses them.
+    Unless it is `meshed` it has no elements yet: `accuracy` chooses them. A rod with motions keeps the clamp
+    at its base unless it lists its supports, which may then be fewer.
     """
     table.expect_keys(ROD_KEYS)
     name = _name(table, default_name(index))
@@ -73,7 +80,7 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
-        supports=_supports(table, name in joined),
+        supports=_supports(table, name in joined, name in moved),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, element, formulation),
         any_element=not meshed and not any(key in table.data for key in ELEMENT_KEYS),
@@ -82,7 +89,8 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         check_cable(table, rod, name in joined)
     check_slenderness(table, rod)
     check_curvature(table, rod)
-    if name not in joined:  # else the whole structure decides: scene_joints.py
+    # Else the whole structure decides: scene_joints.py.
+    if name not in joined and not (name in moved and "supports" in table.data):
         check_rigid_motion(table, rod)
     return rod
 
@@ -188,7 +196,7 @@ def read_direction(table: Table, key: str, default: Any) -> Floats:
     return vector / np.linalg.norm(vector)
 
 
-def _supports(table: Table, joined: bool) -> tuple[Support, ...]:
+def _supports(table: Table, joined: bool, moved: bool) -> tuple[Support, ...]:
     """Read the supports; a rod without the key is clamped at its base, unless a joint holds it."""
     if "supports" not in table.data:
         return () if joined else (Support(),)
@@ -206,7 +214,7 @@ def _supports(table: Table, joined: bool) -> tuple[Support, ...]:
                 "keep one of them",
             )
         supports.append(Support(at, entry.word("kind", SUPPORT_KINDS, "clamp")))
-    if not supports and not joined:
+    if not supports and not (joined or moved):
         table.refuse(
             "supports",
             "The rod has no support.",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ancf.scene import SAME_PLACE, Foundation, Rod, Spring
 from ancf.scene_cable import refuse_on_cable
 from ancf.scene_table import FRACTION, Limit, Table
-from ancf.units import LENGTH, NUMBER, STIFFNESS, STRESS, Dimension
+from ancf.units import LENGTH, NUMBER, ROTATIONAL_BED, ROTATIONAL_STIFFNESS, STIFFNESS, STRESS, Dimension
 
 NOT_NEGATIVE = Limit(lambda v: v >= 0.0, ">= 0")
 FRAMES = ("structure", "body", "section")
@@ -18,7 +18,18 @@ FRAMES = ("structure", "body", "section")
 
 def read_spring(table: Table, rods: Sequence[Rod]) -> Spring:
     """Read one `[[spring]]`: the point that it holds, its stiffness, and what it holds it to."""
-    table.expect_keys(("rod", "at", "offset", "stiffness", "frame", "to", "anchor", "free_length"))
+    keys = (
+        "rod",
+        "at",
+        "offset",
+        "stiffness",
+        "rotational_stiffness",
+        "frame",
+        "to",
+        "anchor",
+        "free_length",
+    )
+    table.expect_keys(keys)
     rod = _rod_of(table, rods)
     at = table.number("at", NUMBER, 1.0, FRACTION)
     offset = table.vector("offset", 2, LENGTH, (0.0, 0.0))
@@ -39,17 +50,25 @@ def read_spring(table: Table, rods: Sequence[Rod]) -> Spring:
         given = "free_length" in table.data
         free = table.number("free_length", LENGTH, limit=NOT_NEGATIVE) if given else None
         k = table.number("stiffness", STIFFNESS, limit=NOT_NEGATIVE)
-        _refuse_keys(table, ("frame",), "to an anchor", "it acts along its line, whatever the axes")
+        why = "it acts along its line, whatever the axes, and has no lever"
+        _refuse_keys(table, ("frame", "rotational_stiffness"), "to an anchor", why)
         return Spring(rod.name, at, k * np.eye(3), offset, table.vector("anchor", 3, LENGTH), free)
     _refuse_keys(table, ("anchor", "free_length"), "to the reference", "it is free of force there")
     axes = _axes(table, rod, ("structure", "body"))
     assert axes is not None
-    return Spring(rod.name, at, (axes * _stiffness(table, STIFFNESS)) @ axes.T, offset)
+    stiffness, turning = _stiffnesses(table, rod, STIFFNESS, ROTATIONAL_STIFFNESS)
+    return Spring(
+        rod.name,
+        at,
+        (axes * stiffness) @ axes.T,
+        offset,
+        rotational_stiffness=(axes * turning) @ axes.T,
+    )
 
 
 def read_foundation(table: Table, rods: Sequence[Rod]) -> Foundation:
     """Read one `[[foundation]]`: its stiffness per length, and the part of the rod that lies on it."""
-    table.expect_keys(("rod", "stiffness", "frame", "from", "to"))
+    table.expect_keys(("rod", "stiffness", "rotational_stiffness", "frame", "from", "to"))
     rod = _rod_of(table, rods)
     start, end = table.number("from", NUMBER, 0.0, FRACTION), table.number("to", NUMBER, 1.0, FRACTION)
     if end - start <= SAME_PLACE:
@@ -60,15 +79,31 @@ def read_foundation(table: Table, rods: Sequence[Rod]) -> Foundation:
             "both are fractions of the length, from below to",
             "exchange them, or leave both away for the whole rod",
         )
-    return Foundation(rod.name, _stiffness(table, STRESS), _axes(table, rod, FRAMES), start, end)
+    stiffness, turning = _stiffnesses(table, rod, STRESS, ROTATIONAL_BED)
+    return Foundation(rod.name, stiffness, _axes(table, rod, FRAMES), start, end, turning)
 
 
-def _stiffness(table: Table, dimension: Dimension) -> NDArray[np.float64]:
+def _stiffnesses(
+    table: Table, rod: Rod, along: Dimension, about: Dimension
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Three stiffnesses along the axes and three about them; what is not given is zero, but one is needed."""
+    if "rotational_stiffness" not in table.data:
+        return _stiffness(table, "stiffness", along), np.zeros(3)
+    why = "a rotation is that of a section, and a cable has none"
+    refuse_on_cable(table, rod, "rotational_stiffness", "No spring turns a cable.", why)
+    given = "stiffness" in table.data
+    return (
+        _stiffness(table, "stiffness", along) if given else np.zeros(3),
+        _stiffness(table, "rotational_stiffness", about),
+    )
+
+
+def _stiffness(table: Table, key: str, dimension: Dimension) -> NDArray[np.float64]:
     """Three stiffnesses along the axes, from one for all or from three."""
-    value = table.data.get("stiffness")
+    value = table.data.get(key)
     if isinstance(value, list | tuple | np.ndarray):
-        return table.vector("stiffness", 3, dimension, limit=NOT_NEGATIVE)
-    return np.full(3, table.number("stiffness", dimension, limit=NOT_NEGATIVE))
+        return table.vector(key, 3, dimension, limit=NOT_NEGATIVE)
+    return np.full(3, table.number(key, dimension, limit=NOT_NEGATIVE))
 
 
 def _axes(table: Table, rod: Rod, frames: Sequence[str]) -> NDArray[np.float64] | None:

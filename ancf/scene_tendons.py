@@ -34,21 +34,12 @@ def read_tendon(table: Table, rods: Sequence[Rod]) -> Tendon:
             "a tendon is pulled by a tension, or its drive holds it at a length with the tension that takes",
             'write one of the two, for example tension = "2 N" or length = "38 cm"',
         )
-    friction = table.number("friction", NUMBER, 0.0, FRICTION)
-    if friction > 0.0 and given == ["length"]:
-        table.refuse(
-            "friction",
-            "Friction of a tendon of controlled length is not in this version.",
-            f"friction = {friction:g} with length",
-            "friction is known for a tendon that is pulled by a given tension",
-            "give its tension in place of the length, or leave friction away",
-        )
     return Tendon(
         rod.name,
         table.number("tension", FORCE, limit=TENSION) if given == ["tension"] else None,
         _path(table, rod),
         table.number("length", LENGTH, limit=WANTED) if given == ["length"] else None,
-        friction,
+        table.number("friction", NUMBER, 0.0, FRICTION),
     )
 
 

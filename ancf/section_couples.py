@@ -5,7 +5,8 @@ couple stands to them: with its components M in the axes that turn with the sect
 
     fixed in space       A = hat(M)
     turning with it      A = 0
-    magnetic             M = p x B, p in the section, B in space:  A = hat(p) hat(B),  V = -int p . B dx.
+    magnetic             M = p x B, p in the section, B in space:  A = hat(p) hat(B),  V = -int p . B dx
+    elastic              turning_springs.py.
 """
 
 from __future__ import annotations

@@ -144,7 +144,7 @@ class SectionAxes:
 
     def vector_change(self, hat_f: Floats) -> Floats:
         """Change (p, 3, 2, 3) of `vector` with b, df = dw x f, by hat(f) (p, 3, 3) in the axes."""
-        spin = (self.factors.T @ _SPIN).reshape(-1, 6, 3) @ self._rows
+        spin = (self.factors.T @ _SPIN).reshape(-1, 6, 3) @ self.rows
         turned = np.ascontiguousarray(self.F.transpose(2, 1, 0)) @ hat_f  # columns q_y, q_z, n, times f
         return (turned @ -spin.reshape(-1, 3, 6)).reshape(-1, 3, 2, 3)
 
@@ -157,7 +157,7 @@ class SectionAxes:
 
     def couple(self, mu: Floats) -> Floats:
         """Generalised forces (p, 2, 3) on b_y, b_z, in space."""
-        return (mu.T @ _COUPLE).reshape(-1, 2, 3) @ self._rows
+        return (mu.T @ _COUPLE).reshape(-1, 2, 3) @ self.rows
 
     def couple_tangent(self, mu: Floats, A: Floats | None) -> Floats:
         """Change (p, 6, 6) of `couple` with b; A (p, 3, 3), None for a couple that turns with it."""
@@ -168,10 +168,14 @@ class SectionAxes:
         rows = (factors.T @ _TANGENT).reshape(-1, 9, 6)
         if A is not None:
             rows[:, 6:] += A @ rows[:, 3:6]
-        rows = (rows.reshape(-1, 18, 3) @ self._rows).reshape(-1, 9, 6)
+        rows = (rows.reshape(-1, 18, 3) @ self.rows).reshape(-1, 9, 6)
         return np.swapaxes(rows[:, :6], 1, 2) @ rows[:, 3:]
 
     @cached_property
-    def _rows(self) -> Floats:
-        """F (p, 3, 3), the section first."""
+    def rows(self) -> Floats:
+        """Axes (p, 3, 3) as rows, the section first."""
         return np.ascontiguousarray(self.F.transpose(2, 0, 1))
+
+    def rotation(self, E: Floats) -> Floats:
+        """Rotation R (p, 3, 3) of the sections from their reference axes E (p, 3, 3), rows."""
+        return np.swapaxes(self.rows, -1, -2) @ E

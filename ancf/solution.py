@@ -85,6 +85,7 @@ class JointForces:
         a, b = self.joint.a, self.joint.b
         return {
             "kind": self.joint.kind,
+            **({"hold": list(self.joint.hold)} if self.joint.hold else {}),
             "a": {"rod": a.rod, "at": a.at},
             "b": "ground" if b is None else {"rod": b.rod, "at": b.at},
             "force": self.force.tolist(),

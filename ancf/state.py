@@ -80,6 +80,7 @@ def _layout(model: Model) -> str:
     """What nodal coordinates mean: rods, elements and reference positions, by a digest of the latter."""
     rods = "; ".join(f"{rod.rod.name}: {rod.rod.elements} x {rod.element.name}" for rod in model.rods)
     rods += "".join(f"; joint {j.kind} {j.axis}: {', '.join(map(str, j.places))}" for j in model.scene.joints)
+    rods += "".join(f"; along {j.along.tolist()}" for j in model.scene.joints if len(j.along) < 3)
     rods += f"; {len(model.scene.controlled_tendons)} tendons of given length" * model.scene.constrained
     reference = np.round(model.q0 / model.unit, 9) + 0.0  # + 0.0: no negative zeros
     return f"{rods}; reference {hashlib.sha256(reference.tobytes()).hexdigest()[:12]}"

@@ -23,6 +23,8 @@ A taut tendon is the condition l = l_f with the multiplier T, symmetric, and the
 fit their band. A slack one acts on nothing: its column of the tangent is zero but for -c.
 
 c is the compliance of the path of a straight rod, int 1/(E A) + (y^2 + z^2)/(E I) dx, I the smaller one.
+
+With friction (tendon_rubbing_length.py) T is the tension at the pulled end, and less is left along the path.
 """
 
 from __future__ import annotations
@@ -44,6 +46,15 @@ EPSILON = 1e-12  # of the trace: two tendons on one path are no condition more t
 COMPLIANCE_POINTS = 200  # of the trapezoidal rule for c, which only scales
 
 
+def tendon_length(tendon: Tendon, rods: list[RodModel], first: int) -> TendonLength:
+    """The constraint of one tendon of controlled length; its multiplier is the unknown `first`."""
+    if tendon.friction > 0.0:
+        from ancf.tendon_rubbing_length import RubbingTendonLength
+
+        return RubbingTendonLength(tendon, rods, first)
+    return TendonLength(tendon, rods, first)
+
+
 class TendonLength(Constraint):
     """One tendon of controlled length."""
 
@@ -54,7 +65,7 @@ class TendonLength(Constraint):
         assert tendon.length is not None
         rod = next(model for model in rods if model.rod.name == tendon.rod)
         self.tendon = tendon
-        self.path = TendonPath(rod, tendon.path)
+        self.path = self._path(rod)
         self.multipliers = np.array([first])
         self.dofs = np.append(self.path.dofs.ravel(), first)
         self.energy = rod.bending_stiffness / rod.rod.length
@@ -65,22 +76,34 @@ class TendonLength(Constraint):
         self.expected = 0.0  # N, estimate of m, see `estimated_multipliers`
         self.side: bool | None = None  # whether it is taken as taut; None: by the sign of m
 
+    def _path(self, rod: RodModel) -> TendonPath:
+        return TendonPath(rod, self.tendon.path)
+
     def _vectors(self, x: Floats) -> Floats:
         """Nodal vectors (m, nodal, 3) of the pieces of the path."""
         return x.reshape(len(self.path.dofs), -1, 3)
 
+    @property
+    def _blocks(self) -> Indices:
+        """Unknowns (m, nd) of the blocks of `_pull`."""
+        return self.path.dofs
+
+    def _pull(self, e: Floats, slope: Floats) -> tuple[Floats, Floats]:
+        """Pull of a unit tension on the pieces (m nd,), and the entries of its derivative in `_blocks`."""
+        return slope, self.path.bend(e).ravel()
+
     @cached_property
     def rows(self) -> Indices:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Rows of the entries: the elements' blocks, dl/de as column and as row, the diagonal."""
+        """Rows of the entries: the blocks of `_pull`, the pull as column, dl/de as row, the diagonal."""
         dofs, (first,) = self.path.dofs, self.multipliers
-        blocks = np.repeat(dofs, dofs.shape[1], axis=1).ravel()
+        blocks = np.repeat(self._blocks, self._blocks.shape[1], axis=1).ravel()
         return np.concatenate([blocks, dofs.ravel(), np.full(dofs.size, first), [first]])
 
     @cached_property
     def columns(self) -> Indices:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Columns of the entries."""
         dofs, (first,) = self.path.dofs, self.multipliers
-        blocks = np.tile(dofs, dofs.shape[1]).ravel()
+        blocks = np.tile(self._blocks, self._blocks.shape[1]).ravel()
         return np.concatenate([blocks, np.full(dofs.size, first), dofs.ravel(), [first]])
 
     def terms(self, x: Floats, load_factor: float) -> ConstraintTerms:
@@ -89,13 +112,14 @@ class TendonLength(Constraint):
         g, rate = np.zeros(len(x)), np.zeros(len(x))
         g[-1] = self.path.length(e) - self.l_0 - load_factor * self.change
         rate[-1] = -self.change
-        slope, bend = self.path.slope(e).ravel(), self.path.bend(e).ravel()
+        slope = self.path.slope(e).ravel()
+        pull, pull_rate = self._pull(e, slope)
         if self.is_taut(m):
-            g[:-1] = m * slope
-            tangent = np.concatenate([m * bend, slope, slope, [0.0]])
+            g[:-1] = m * pull
+            tangent = np.concatenate([m * pull_rate, pull, slope, [0.0]])
         else:
             g[-1] -= self.compliance * m
-            tangent = np.concatenate([np.zeros(bend.size + slope.size), slope, [-self.compliance]])
+            tangent = np.concatenate([np.zeros(pull_rate.size + pull.size), slope, [-self.compliance]])
         return ConstraintTerms(g, rate, tangent)
 
     def is_taut(self, m: float) -> bool:
@@ -117,6 +141,10 @@ class TendonLength(Constraint):
     def slack(self, q: Floats) -> float:
         """Length [m] by which the cable is longer than its path."""
         return self.compliance * max(-self.multiplier(q), 0.0)
+
+    def end_tension(self, q: Floats) -> float:
+        """Tension [N] at the last point of the path."""
+        return self.tension(q)
 
     def length(self, q: Floats) -> float:
         """Length [m] of the path."""

@@ -76,9 +76,9 @@ class TendonPath:
     def slope(self, e: Floats, share: Floats | float = 1.0) -> Floats:
         """dl/de (m, nodal, 3), points counted by a share (m, points)."""
         t, _ = self.tangents(e)
-        return self.pull(t * np.asarray(share)[..., None])
+        return self.on_nodes(t * np.asarray(share)[..., None])
 
-    def pull(self, t: Floats) -> Floats:
+    def on_nodes(self, t: Floats) -> Floats:
         """int a t^T dx (m, nodal, 3) of vectors t (m, points, 3)."""
         return self._weighted @ t
 

@@ -45,7 +45,7 @@ def tendon_states(model: Model, q: Floats, load_factor: float) -> list[TendonSta
     for tendon in model.scene.tendons:
         if tendon.tension is None:
             one = next(controlled)
-            found.append(TendonState(tendon, one.tension(q), one.length(q), one.slack(q), one.tension(q)))
+            found.append(TendonState(tendon, one.tension(q), one.length(q), one.slack(q), one.end_tension(q)))
         else:
             effect = next(pulled)
             e, tension = q[effect.dofs].reshape(len(effect.dofs), -1, 3), load_factor * tendon.tension

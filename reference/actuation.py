@@ -53,9 +53,17 @@ def tendon_rod(
 
 
 def tendon_rod_of_length(
-    length: float, radius: float, young: float, poisson: float, wanted: float, path: ArrayLike
+    length: float,
+    radius: float,
+    young: float,
+    poisson: float,
+    wanted: float,
+    path: ArrayLike,
+    friction: float = 0.0,
 ) -> tuple[Array, float, float]:
     """Tip (3,) [m] of the same rod, its own error [m], and the tension [N] that brings the path to a length.
+
+    With friction it is the tension at the first point of the path.
 
     wanted : [m], shorter than the path in the straight rod
     """
@@ -63,12 +71,13 @@ def tendon_rod_of_length(
 
     def excess(tension: float) -> float:
         lengths = [
-            _strains(length, radius, young, poisson, tension, path, n)[3] for n in (INTERVALS, INTERVALS // 2)
+            _strains(length, radius, young, poisson, tension, path, n, friction)[3]
+            for n in (INTERVALS, INTERVALS // 2)
         ]
         return lengths[0] + (lengths[0] - lengths[1]) / 3.0 - wanted
 
     tension = bracketed_root(excess, 0.0, 0.1 * whole)
-    tip, error = tendon_rod(length, radius, young, poisson, tension, path)
+    tip, error = tendon_rod(length, radius, young, poisson, tension, path, friction)
     return tip, error, tension
 
 
@@ -127,6 +136,17 @@ def frictional_arc(length: float, curvature: float, friction: float) -> Array:
     end, power = 1.0 + friction * curvature * length, 1.0 + 1.0j / friction
     r = (end**power - 1.0) / (power * friction * curvature)
     return np.array([r.real, r.imag, 0.0])
+
+
+def frictional_curvature(length: float, wanted: float, offset: float, root: float, friction: float) -> float:
+    """kappa_0 [1/m] of `frictional_arc` whose tendon has the length `wanted` [m], of a rod that is thin.
+
+    The tendon shortens by its offset d times the turning phi, and the axis by int T/(E A) ds = i^2 phi/d with
+    the radius of gyration i = `root`, T d = E I kappa; so phi = (L - l)/(d + i^2/d) at the tip, whatever the
+    friction, and phi = ln(1 + mu kappa_0 L)/mu.
+    """
+    phi = (length - wanted) / (offset + root**2 / offset)
+    return float(np.expm1(friction * phi)) / (friction * length)
 
 
 def _tip(h: float, v: Array, u: Array) -> Array:

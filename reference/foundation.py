@@ -59,3 +59,26 @@ def propped_cantilever_tip(length: float, bending: float, force: float, spring: 
     f_at = at**2 * (3.0 * length - at) / (6.0 * bending)
     f_aa = at**3 / (3.0 * bending)
     return f_tt * force - f_at * f_at * force / (f_aa + 1.0 / spring)
+
+
+def turned_cantilever_tip(length: float, bending: float, force: float, spring: float) -> tuple[float, float]:
+    """Deflection [m] and turn [rad] of the end of a cantilever under a force on it, on a rotational spring.
+
+    The spring [N m/rad] takes the couple k phi, so phi = P L^2/(2 E I) - k phi L/(E I) and
+    w = P L^3/(3 E I) - k phi L^2/(2 E I) (Euler and Bernoulli): a quarter of P L^3/(3 E I) for k to infinity.
+    """
+    turn = force * length**2 / (2.0 * (bending + spring * length))
+    return length**3 * force / (3.0 * bending) - spring * turn * length**2 / (2.0 * bending), turn
+
+
+def turned_on_bed(x: ArrayLike, length: float, stiffness: float, bed: float, couple: float) -> Array:
+    """Turn theta (n,) [rad] at x (n,) [m] of a rod on a bed [N/rad], held at 0, by a couple [N m] on its end.
+
+    stiffness theta'' = bed theta, theta(0) = 0, stiffness theta'(L) = couple, for twist (stiffness GJ) and,
+    where no force acts, for bending in a plane (E I), however far it turns:
+    theta = couple sinh(b x)/(stiffness b cosh(b L)), b^2 = bed/stiffness.
+    """
+    b = np.sqrt(bed / stiffness)
+    return np.asarray(
+        couple * np.sinh(b * np.asarray(x, dtype=float)) / (stiffness * b * np.cosh(b * length))
+    )

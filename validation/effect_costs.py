@@ -86,7 +86,9 @@ ALONE: dict[str, dict[str, Any]] = {
     "magnet": {"magnet": [{"remanence": [0.1, 0, 0], "field": [0, 0.005, 0]}]},
     "tendon": {"tendon": [{"tension": 0.3, "path": [[0, 0.005, 0], [1, 0.005, 0]]}]},
     "spring": {"spring": [{"stiffness": 10.0}]},
+    "spring, rotational": {"spring": [{"rotational_stiffness": _EI}]},
     "foundation": {"foundation": [{"stiffness": 10.0}]},
+    "foundation, rotational": {"foundation": [{"rotational_stiffness": _EI}]},
     "pressure": {"pressure": [{"value": 1e3, "chamber": {"centre": [0.003, 0], "radius": 0.004}}]},
 }
 

@@ -14,6 +14,7 @@ from validation import (
     problems_force,
     problems_identity,
     problems_moment,
+    problems_motion,
     problems_newton,
     problems_passive,
     problems_stress,
@@ -48,6 +49,7 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "actuated": problems_actuated.actuated,
     "closed tube": problems_actuated.closed_tube,
     "passive": problems_passive.passive,
+    "moved": problems_motion.moved,
 }
 
 

@@ -67,7 +67,7 @@ def _tendon(scene: Scene) -> tuple[Floats, float]:
     material = rod.material
     numbers = (rod.length, rod.section.outer_radius, material.young_modulus, material.poisson_ratio)
     if tendon.length is not None:
-        return tendon_rod_of_length(*numbers, tendon.length, tendon.path)[:2]
+        return tendon_rod_of_length(*numbers, tendon.length, tendon.path, tendon.friction)[:2]
     assert tendon.tension is not None
     return tendon_rod(*numbers, tendon.tension, tendon.path, tendon.friction)
 

@@ -8,10 +8,16 @@ from typing import Any
 import numpy as np
 
 import ancf
+from ancf.rotation import log
 from ancf.scene import Scene
 from ancf.solution import Solution
 from reference.contact import crossing_force, level_end_span, propped_force, wrapped_tip
-from reference.foundation import end_of_long_beam, propped_cantilever_tip
+from reference.foundation import (
+    end_of_long_beam,
+    propped_cantilever_tip,
+    turned_cantilever_tip,
+    turned_on_bed,
+)
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import NoEquilibrium
@@ -62,6 +68,37 @@ def _spring(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
         spring.at * rod.length,
     )
     return [("deflection", float(solution.tip().position[1]), exact, "m")]
+
+
+def _rotational_spring(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A cantilever along x under a force along y on its end, which a spring keeps from turning."""
+    scene = solution.scene
+    (rod,), (load,), (spring,) = scene.rods, scene.forces, scene.springs
+    k = float(spring.rotational_stiffness[2, 2])
+    w, turn = turned_cantilever_tip(rod.length, _bending(scene), float(load.value[1]), k)
+    tip = solution.tip()
+    return [
+        ("deflection", float(tip.position[1]), w, "m"),
+        ("turn", float(tip.rotation[1, 0]), turn, "rad"),
+    ]
+
+
+def _rotational_bed(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A rod along x that a couple on its end turns about the axis of that, twisted or bent, on a bed."""
+    scene = solution.scene
+    (rod,), (load,), (bed,) = scene.rods, scene.moments, scene.foundations
+    size = float(np.linalg.norm(load.value))
+    axis = load.value / size
+    twisted = 2.0 * rod.material.lame_mu * rod.section.weaker_second_moment  # of a round rod, GJ
+    stiffness = twisted if abs(axis[0]) > 0.5 else _bending(scene)
+    pairs: Pairs = []
+    for name, at in (("turn", 1.0), ("turn at 0.7 L", 0.7)):
+        exact = turned_on_bed(
+            [at * rod.length], rod.length, stiffness, float(bed.rotational_stiffness[0]), size
+        )
+        turn = float(log(solution.pose(None, at).rotation) @ axis)
+        pairs.append((name, turn, float(exact[0]), "rad"))
+    return pairs
 
 
 def _bending(scene: Scene) -> float:
@@ -117,6 +154,8 @@ def _crossing(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
 ANSWERS: dict[str, Callable[[Solution, Mapping[str, Any]], Pairs]] = {
     "bed": _bed,
     "spring": _spring,
+    "rotational spring": _rotational_spring,
+    "rotational bed": _rotational_bed,
     "flat": _flat,
     "prop": _prop,
     "wrapped": _wrapped,

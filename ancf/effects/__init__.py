@@ -70,6 +70,10 @@ class Effect(ABC):
         """Share of the way from q to q_new (n,) that one step may take; above 1 as much more."""
         return np.inf
 
+    def is_known(self, q: Floats) -> bool:
+        """Whether q (n,) is a state that the effect can tell from others (turning_springs.py)."""
+        return True
+
     def report(self, e: Floats) -> dict[str, Any]:
         """What there is to tell in the result (passive_reports.py), plain Python."""
         return {}

@@ -4,7 +4,7 @@ r"""Elastic foundation: springs spread along a rod, each between a point of the 
 
 with the stiffness matrix k [N/m2] per reference length: the bed of Winkler (Hetenyi, Beams on Elastic
 Foundation, 1946, ch. 1), which does not know where the rod has gone to. Of a stiffness across the axis alone
-nothing holds the rod along it. The tangent is constant.
+nothing holds the rod along it. The tangent is constant. With rotational stiffnesses: rotational_bed.py.
 """
 
 from __future__ import annotations
@@ -29,7 +29,15 @@ AXIAL_POINTS = 4  # exact for the square of a cubic axis
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """Foundations of the scene."""
     models = {model.rod.name: model for model in rods}
-    return [ElasticFoundation(models[bed.rod], bed) for bed in scene.foundations]
+    return [_bed(models[bed.rod], bed) for bed in scene.foundations]
+
+
+def _bed(model: RodModel, bed: Foundation) -> Effect:
+    if np.any(bed.rotational_stiffness):
+        from ancf.effects.rotational_bed import RotationalBed
+
+        return RotationalBed(model, bed)
+    return ElasticFoundation(model, bed)
 
 
 class ElasticFoundation(SparseEffect):
@@ -42,16 +50,17 @@ class ElasticFoundation(SparseEffect):
         self.bed = bed
         breaks, length = model.mesh.breaks, model.rod.length
         ends = np.clip(breaks, bed.start * length, bed.end * length)
-        elements = np.flatnonzero(np.diff(ends) > 0.0)
+        elements = self.elements = np.flatnonzero(np.diff(ends) > 0.0)
         xi, weight = gauss(AXIAL_POINTS)
         half = 0.5 * np.diff(ends)[elements, None]
-        x = ends[elements, None] + half * (1.0 + xi)  # (m, points)
+        x = self.x = ends[elements, None] + half * (1.0 + xi)  # (m, points) m
+        self.weight = half * weight  # (m, points) m
         N = [
             model.element.shape(2.0 * (places - breaks[i]) / h - 1.0, h)[:, 0]
             for i, h, places in zip(elements, model.mesh.h[elements], x, strict=True)
         ]
         self.N = np.array(N)  # (m, points, nodal)
-        self.k = half[..., None, None] * weight[:, None, None] * _stiffness(model, bed, x)  # [N/m]
+        self.k = self.weight[..., None, None] * self.stiffness_of(model, bed.stiffness)  # [N/m]
         self.dofs = model.dofs if len(elements) == len(model.dofs) else model.dofs[elements]
         self.e_0 = model.e0[elements]
         size = 3 * self.N.shape[-1]
@@ -59,6 +68,14 @@ class ElasticFoundation(SparseEffect):
         self.K = -K.reshape(len(K), size, size)
         self.entries = VectorPairs(self.N, self.N).entries
         self.values = self.K.ravel()[self.entries]
+
+    def stiffness_of(self, model: RodModel, along: Floats) -> Floats:
+        """Matrices (m, points, 3, 3) in SCS of stiffnesses (3,) along the axes of the bed."""
+        axes = self.bed.axes
+        if axes is None:
+            _, frame = reference_axis(self.x.ravel(), model.rod.curvature)
+            axes = (model.rod.base.rotation @ frame).reshape(*self.x.shape, 3, 3)
+        return (axes * along) @ np.swapaxes(axes, -1, -2) + np.zeros((*self.x.shape, 1, 1))
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
@@ -79,12 +96,3 @@ class ElasticFoundation(SparseEffect):
         force = -np.einsum("mpab,mpb->a", self.k, u)
         largest = float(np.max(np.linalg.norm(u, axis=-1)))
         return {"rod": self.bed.rod, "force": force.tolist(), "displacement": largest}
-
-
-def _stiffness(model: RodModel, bed: Foundation, x: Floats) -> Floats:
-    """Stiffness matrices (m, points, 3, 3) [N/m2] in SCS at arc lengths x (m, points)."""
-    axes = bed.axes
-    if axes is None:
-        _, frame = reference_axis(x.ravel(), model.rod.curvature)
-        axes = (model.rod.base.rotation @ frame).reshape(*x.shape, 3, 3)
-    return (axes * bed.stiffness) @ np.swapaxes(axes, -1, -2) + np.zeros((*x.shape, 1, 1))

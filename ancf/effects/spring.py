@@ -7,7 +7,8 @@ an anchor a changes of its length l = |c - a| from the free length l_0:
     V = 1/2 u^T k u, u = c - c_0,        F = -k u,              dF/dc = -k,
     V = 1/2 k (l - l_0)^2,               F = -k (l - l_0) t,    dF/dc = -k (t t^T + (1 - l_0/l) (I - t t^T)),
 
-t = (c - a)/l, and Q = S^T F. A spring shorter than its anchor is away pulls from the beginning.
+t = (c - a)/l, and Q = S^T F. A spring shorter than its anchor is away pulls from the beginning. One to the
+reference may resist the rotation of the section too (rotational_spring.py).
 """
 
 from __future__ import annotations
@@ -28,12 +29,17 @@ Floats = NDArray[np.float64]
 def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     """Springs of the scene."""
     models = {model.rod.name: model for model in rods}
-    return [
-        ReferenceSpring(models[spring.rod], spring)
-        if spring.anchor is None
-        else AnchoredSpring(models[spring.rod], spring)
-        for spring in scene.springs
-    ]
+    return [_spring(models[spring.rod], spring) for spring in scene.springs]
+
+
+def _spring(model: RodModel, spring: Spring) -> Effect:
+    if spring.anchor is not None:
+        return AnchoredSpring(model, spring)
+    if np.any(spring.rotational_stiffness):
+        from ancf.effects.rotational_spring import RotationalSpring
+
+        return RotationalSpring(model, spring)
+    return ReferenceSpring(model, spring)
 
 
 class PointSpring(Effect):

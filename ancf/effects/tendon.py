@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ancf.effects import Effect, SparseEffect
 from ancf.rod_model import RodModel
-from ancf.scene import Scene, Tendon
+from ancf.scene import Scene
 from ancf.tendon_path import TendonPath
 from ancf.vector_pairs import VectorPairs
 
@@ -34,11 +34,12 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     found: list[Effect] = []
     for tendon in scene.pulled_tendons:
         if tendon.friction > 0.0:
-            from ancf.effects.tendon_friction import RubbingTendon
+            from ancf.effects.tendon_friction import rubbing_tendon
 
-            found.append(RubbingTendon(models[tendon.rod], tendon))
+            found.append(rubbing_tendon(models[tendon.rod], tendon))
         else:
-            found.append(PulledTendon(models[tendon.rod], tendon))
+            assert tendon.tension is not None
+            found.append(PulledTendon(tendon.tension, TendonPath(models[tendon.rod], tendon.path)))
     return found
 
 
@@ -47,11 +48,10 @@ class PulledTendon(SparseEffect):
 
     name = "tendon"
 
-    def __init__(self, model: RodModel, tendon: Tendon) -> None:
-        assert tendon.tension is not None
-        self.tension = tendon.tension  # N
-        self.path = TendonPath(model, tendon.path)
-        self.dofs = self.path.dofs
+    def __init__(self, tension: float, path: TendonPath) -> None:
+        self.tension = tension  # N
+        self.path = path
+        self.dofs = path.dofs
 
     def length(self, e: Floats) -> float:
         """Length [m] at the nodal vectors e (m, nodal, 3)."""
@@ -79,7 +79,7 @@ class PulledTendon(SparseEffect):
         t, stretch = self.path.tangents(e)
         along = t[..., None] * t[..., None, :]
         across = (IDENTITY - along) * (-self.tension / stretch)[..., None, None]
-        return -self.tension * self.path.pull(t), self._pairs.entries_of(across)
+        return -self.tension * self.path.on_nodes(t), self._pairs.entries_of(across)
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`: V = T l."""

@@ -30,8 +30,8 @@ ZERO: dict[str, tuple[str, Any]] = {
     "gravity": ("gravity", {"acceleration": [0.0, 0.0, 0.0]}),
     "magnets": ("magnet", [{"remanence": [0.1, 0.0, 0.0], "field": [0.0, 0.0, 0.0]}]),
     "tendons": ("tendon", [{"tension": 0.0, "path": [[0.1, 0.002, 0.0], [0.9, 0.0, 0.002]]}]),
-    "springs": ("spring", [{"stiffness": 0.0, "at": 0.37}]),
-    "foundations": ("foundation", [{"stiffness": 0.0}]),
+    "springs": ("spring", [{"stiffness": 0.0, "at": 0.37, "rotational_stiffness": 0.0}]),
+    "foundations": ("foundation", [{"stiffness": 0.0, "rotational_stiffness": [0.0, 0.0, 0.0]}]),
     "pressures": ("pressure", [{"value": 0.0, "chamber": {"radius": 0.002}}]),
 }
 EXCUSED: dict[str, str] = {  # field -> why there is no zero magnitude

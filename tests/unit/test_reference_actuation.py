@@ -7,6 +7,7 @@ from reference.actuation import (
     chamber_arc,
     closed_tube_strain,
     frictional_arc,
+    frictional_curvature,
     magnet_tip,
     tendon_rod,
     tendon_rod_of_length,
@@ -49,6 +50,21 @@ def test_friction_makes_a_spiral():
         tip, error = tendon_rod(L, R, YOUNG, 0.3, tension, [[0, d, 0], [1, d, 0]], friction)
         assert error < 1e-9 * L
         np.testing.assert_allclose(tip, exact, rtol=0, atol=1.05e-4 * L)
+
+
+def test_friction_and_a_length_give_a_tension():
+    """The same end as from the tension that a length needs; straight, kappa_0 E I = T d in closed form."""
+    d, tension = 0.8 * R, 1e-4 * YOUNG * AREA
+    for friction in (0.3, 2.0):
+        turn = np.log1p(friction * tension * d / (YOUNG * SECOND) * L) / friction
+        wanted = L - (d + R**2 / (4 * d)) * turn  # i = R/2
+        kappa = frictional_curvature(L, wanted, d, R / 2, friction)
+        assert kappa == pytest.approx(tension * d / (YOUNG * SECOND), rel=1e-12)
+        tip, error, found = tendon_rod_of_length(L, R, YOUNG, 0.3, wanted, [[0, d, 0], [1, d, 0]], friction)
+        # The tendon turns with the path, which the thrust shortens by 1e-4.
+        assert found == pytest.approx(tension, rel=3e-4) and error < 1e-9 * L
+        exact, _ = tendon_rod(L, R, YOUNG, 0.3, found, [[0, d, 0], [1, d, 0]], friction)
+        np.testing.assert_array_equal(tip, exact)
 
 
 def test_a_tendon_on_the_axis_only_shortens():
