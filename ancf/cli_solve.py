@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ancf.accuracy_record import Accuracy
-    from ancf.advice import Advice, Influence
     from ancf.model import Model
     from ancf.scene import Rod, Scene
     from ancf.segments import Segment
@@ -97,6 +96,7 @@ def check(
     out or is missing.
     """
     from ancf.advice import advise
+    from ancf.advice_text import advice_lines
     from ancf.io import result_text
     from ancf.reductions import sentences
     from ancf.scene_file import load_scene
@@ -150,31 +150,8 @@ def check(
         console.print(f"  reduction:  {sentence}")
     for warning in found["warnings"]:
         console.print(f"  warning:    {warning}")
-    for line in _advice_lines(advice):
+    for line in advice_lines(advice):
         console.print(f"  {line}", soft_wrap=True)
-
-
-def _advice_lines(advice: Advice) -> Iterator[str]:
-    """Numbers of each rod, and what each effect, listed or missing, does to the tip."""
-    for name, numbers in advice.numbers.items():
-        known = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items() if value is not None)
-        yield f"numbers:    {name}: {known}"
-    source = "" if advice.asked else " (default; [solver] accuracy sets it)"
-    yield f"advice:     at {advice.accuracy:g} of the length{source}, estimated at the {advice.state}"
-    words = {"negligible": "could be left out", "close": "too close to tell", "matters": "matters"}
-    for influence in advice.listed:
-        yield f"  {influence.effect}: {_shift_text(influence)}{words[influence.verdict]}"
-    words = {**words, "negligible": "is rightly left out", "matters": "would matter", "unknown": "unknown"}
-    for influence in advice.missing:
-        note = f" ({influence.note})" if influence.note else ""
-        yield f"  {influence.effect}, not listed: {_shift_text(influence)}{words[influence.verdict]}{note}"
-
-
-def _shift_text(influence: Influence) -> str:
-    if influence.tip is None or influence.largest is None:
-        return ""
-    elsewhere = "" if influence.largest < 1.1 * influence.tip else f", {influence.largest:.1e} L elsewhere"
-    return f"moves the tip by {influence.tip:.1e} L{elsewhere}: "
 
 
 def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
