@@ -21,11 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.error_estimate import ErrorEstimate, estimate_error
-from ancf.influence import UNKNOWN, Influence, verdict_of, worded
+from ancf.influence import CLOSE, UNKNOWN, Influence, verdict_of, worded
 from ancf.model import Model
+from ancf.newton import newton
 from ancf.scene import Scene
 from ancf.solution import Solution, Status
-from ancf.stepping import find_equilibrium
+from ancf.stepping import DIRECT_ITERATIONS, find_equilibrium
 
 Floats = NDArray[np.float64]
 
@@ -85,6 +86,10 @@ class State:
         model = Model(replace(other, solver=replace(other.solver, max_seconds=left)))
         # The tensions of tendons of given length, which it may lack, are the last unknowns.
         start = self.q[: model.n]
+        if self.scene.follows_path and not other.follows_path:
+            # From the reference another branch would be found.
+            result = newton(model, start, 1.0, DIRECT_ITERATIONS, self.deadline)
+            return result.q - start if result.converged else None
         trace = find_equilibrium(model, None if afresh else start)
         return trace.q - start if trace.status is Status.CONVERGED else None
 
@@ -177,4 +182,6 @@ class State:
             largest = max(float(size.max()) for size in sizes)
         if tip is None or largest is None:
             return Influence(effect, None, None, UNKNOWN, advice="no estimate", **about)
+        if sizes and len(sizes) < len(found) and largest < self.limit:
+            return Influence(effect, tip, largest, CLOSE, advice="no estimate of some directions", **about)
         return self.judged(effect, tip, largest, not sizes, negligible, matters, **about)

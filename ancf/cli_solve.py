@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -100,7 +100,7 @@ def check(
     from ancf.io import result_text
     from ancf.reductions import sentences
     from ancf.scene_file import load_scene
-    from ancf.scene_materials import law_name
+    from ancf.scene_text import record_text, rod_lines
     from ancf.solver import prepare
     from ancf.validity import scene_warnings
 
@@ -124,22 +124,11 @@ def check(
         return
     console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
     for rod in loaded.rods:
-        held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports) or "no support"
-        count = (
-            f"{rod.elements} x {rod.element}"
-            if rod.elements
-            else f"elements to be chosen, {_first_choice(rod)}"
-        )
-        console.print(f"  rod {rod.name}: {rod.length:g} m, {count} {rod.formulation}, {held}")
-        for part in rod.parts:
-            taper = f" to {part.section_end}" if part.tapered else ""
-            number = f", {part.elements} elements" if part.elements else ""
-            piece = f"{part.length:g} m{number}: " if rod.segments else ""
-            console.print(f"    {piece}{part.section}{taper}")
-            console.print(f"    {law_name(part.material)}: {_fields_text(part.material)}")
+        for line in rod_lines(rod):
+            console.print(f"  {line}", soft_wrap=True)
     for name, records in _listed(loaded).items():
         for record in records:
-            console.print(f"  {name}: {_fields_text(record)}")
+            console.print(f"  {name}: {record_text(record)}", soft_wrap=True)
     console.print(f"  effects:    {', '.join(found['effects'])}")
     first = ""
     if "accuracy" in found:
@@ -147,9 +136,9 @@ def check(
         first = f" on the first mesh, of {sum(found['accuracy']['first_mesh'].values())} elements"
     console.print(f"  unknowns:   {found['unknowns']}{first}")
     for sentence in found["reductions"] or ["none"]:
-        console.print(f"  reduction:  {sentence}")
+        console.print(f"  reduction:  {sentence}", soft_wrap=True)
     for warning in found["warnings"]:
-        console.print(f"  warning:    {warning}")
+        console.print(f"  warning:    {warning}", soft_wrap=True)
     for line in advice_lines(advice):
         console.print(f"  {line}", soft_wrap=True)
 
@@ -160,11 +149,6 @@ def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
         return {}
     first = {rod.rod.name: rod.rod.elements for rod in model.rods}
     return {"accuracy": {"wanted": scene.solver.accuracy, "first_mesh": first}}
-
-
-def _first_choice(rod: Rod) -> str:
-    """Which element a rod without a mesh begins with, and whether it keeps it."""
-    return f"first {rod.element}" if rod.any_element else rod.element
 
 
 def _check_one(scenes: list[Path], view: Path) -> None:
@@ -320,6 +304,13 @@ def _describe(rod: Rod) -> dict[str, Any]:
         "element": rod.element,
         "formulation": rod.formulation,
         "axial_rule": rod.axial_rule,
+        "base": {
+            "position": rod.base.position.tolist(),
+            "x_axis": rod.base.rotation[:, 0].tolist(),
+            "y_axis": rod.base.rotation[:, 1].tolist(),
+        },
+        "curvature": rod.curvature.tolist(),
+        "shear_factors": list(rod.shear_factors),
         **({"segments": segments} if segments else _made_of(rod.parts[0])),
         "supports": [{"at": support.at, "kind": support.kind} for support in rod.supports],
     }
@@ -341,13 +332,3 @@ def _fields(record: Any) -> dict[str, Any]:
     """Fields of a frozen record that are set."""
     values = {field.name: getattr(record, field.name) for field in fields(record)}
     return {key: value for key, value in values.items() if value is not None}
-
-
-def _fields_text(record: Any) -> str:
-    """Fields of a record in one line; of another package's record what it prints."""
-    if not is_dataclass(record):
-        return str(record)
-    return ", ".join(
-        f"{key} = {value.tolist() if hasattr(value, 'tolist') else value}"
-        for key, value in _fields(record).items()
-    )

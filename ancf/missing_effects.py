@@ -36,16 +36,15 @@ FIELD_CHANGE = 0.1  # of the field over the rod: a magnet at 30 rod lengths, as 
 
 def missing_effects(state: State) -> Iterator[Influence]:
     """Those that the scene does not list but has the bodies for."""
-    if state.scene.gravity is None:
+    if state.known:  # these follow the shape
+        if any(tendon.tension and not tendon.friction for tendon in state.scene.pulled_tendons):
+            yield _tendon_friction(state)
+        if state.scene.controlled_tendons:
+            yield _tendon_stretch(state)
+        if any(np.any(magnet.field) and np.any(magnet.remanence) for magnet in state.scene.magnets):
+            yield _field_gradient(state)
+    if state.scene.gravity is None:  # six equilibria where rods touch, so it comes last
         yield _weight(state)
-    if not state.known:
-        return  # the others follow the shape
-    if any(tendon.tension and not tendon.friction for tendon in state.scene.pulled_tendons):
-        yield _tendon_friction(state)
-    if state.scene.controlled_tendons:
-        yield _tendon_stretch(state)
-    if any(np.any(magnet.field) and np.any(magnet.remanence) for magnet in state.scene.magnets):
-        yield _field_gradient(state)
 
 
 def _weight(state: State) -> Influence:
@@ -53,7 +52,6 @@ def _weight(state: State) -> Influence:
     rods = tuple(_with_density(rod) for rod in state.scene.rods)
     near = replace(state.near, rods=rods)
     number = max(weight_number(rod, heavy) or 0.0 for rod, heavy in zip(state.model.rods, rods, strict=True))
-    note = f"{STANDARD_GRAVITY:g} m/s2 in the worst direction"
     return state.of_worst_direction(
         "gravity",
         lambda direction: replace(near, gravity=Gravity(STANDARD_GRAVITY * direction)),
@@ -61,7 +59,7 @@ def _weight(state: State) -> Influence:
         "would matter: list [gravity]" + (" and give the density" if bare else ""),
         number=number,
         measure="weight L^2/EI",
-        note=f"{note}; a material has no density, {DENSITY:g} kg/m3 taken" if bare else note,
+        note="in the worst direction" + (f", {DENSITY:g} kg/m3 where no density is given" if bare else ""),
     )
 
 
