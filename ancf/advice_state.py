@@ -120,12 +120,9 @@ class State:
         """Which of the nodes are tips."""
         return np.cumsum([len(rod.q0) for rod in self.model.rods]) - 1
 
-    def influence(
-        self, effect: str, other: Scene, negligible: str, matters: str, times: float = 1.0, **about: Any
-    ) -> Influence:
+    def influence(self, effect: str, other: Scene, negligible: str, matters: str, **about: Any) -> Influence:
         """Influence of a change of the scene, with the advice for either verdict.
 
-        times : how much larger the influence is than that of the change
         about : further fields of `Influence`
         """
         dq = self.neighbour(other)
@@ -134,7 +131,7 @@ class State:
             dq = self.first_step(other)
         if dq is None:
             return Influence(effect, None, None, UNKNOWN, advice="no estimate", **about)
-        size = times * np.linalg.norm(self.shifts(dq), axis=1)
+        size = np.linalg.norm(self.shifts(dq), axis=1)
         return self.judged(
             effect, float(size[self.tips].max()), float(size.max()), first_order, negligible, matters, **about
         )

@@ -2,7 +2,7 @@ r"""What a scene has chosen, and what the other choice would do to the tip.
 
     direction      loads fixed in space that might follow their section, and the reverse
     law            neo-Hookean rubber in place of Saint Venant-Kirchhoff, and the reverse
-    shear          whether a cable would do: the shift by half the shear compliance, twice
+    cable          whether an axis without sections would do, which neither shears nor twists
     mesh           error of the discretisation (error_estimate.py), and how many elements it takes
     sections       error of the element's sections against the solid (model_error.py), and which would do
 
@@ -15,6 +15,7 @@ under either law is added:
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -23,16 +24,20 @@ from numpy.typing import NDArray
 
 from ancf.advice_state import State
 from ancf.element_choice import CHOICE, MODEL_SHARE, choose
+from ancf.elements import R
 from ancf.error_estimate import order_of
 from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.influence import Influence
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model_error import model_errors, model_shifts
+from ancf.rod_model import RodModel
 from ancf.rod_shape import node_rotations
 from ancf.rotation import log
 from ancf.scene import Force, LineLoad, Moment, Rod
 from ancf.scene_cable import could_be_cable
 from ancf.scene_materials import law_name
+from ancf.scene_numbers import rod_numbers
+from ancf.solver import solve
 from ancf.validity import largest_strain
 
 Floats = NDArray[np.float64]
@@ -48,7 +53,7 @@ def choices(state: State) -> Iterator[Influence]:
         return
     yield from _directions(state)
     yield from _law(state)
-    yield from _shear(state)
+    yield from _cable(state)
     yield from _mesh(state)
     yield from _sections(state)
 
@@ -139,29 +144,44 @@ def _left_out(state: State) -> Floats | None:
     return (np.concatenate(other) - np.concatenate(own)) / length[:, None]
 
 
-def _shear(state: State) -> Iterator[Influence]:
-    """Shear deflection is in proportion to 1/k: with doubled shear factors half of it is left."""
-    rods = state.scene.rods
-    if not all(could_be_cable(state.scene, rod) for rod in rods) or any(
-        rod.formulation != "enhanced" for rod in rods
-    ):
+def _cable(state: State) -> Iterator[Influence]:
+    """Rods that nothing calls to twist or shear, solved as cables on their meshes."""
+    axial = {rod.name for rod in state.scene.rods if could_be_cable(state.scene, rod)}
+    left = state.deadline - time.perf_counter()
+    if not axial or left <= 0.0:
         return
-    stiff = tuple(
-        replace(rod, shear_factors=(2.0 * rod.shear_factors[0], 2.0 * rod.shear_factors[1])) for rod in rods
+    rods = tuple(
+        replace(rod, element="cable", formulation="", axial_rule="default") if rod.name in axial else rod
+        for rod in state.scene.rods
     )
-    from ancf.scene_numbers import rod_numbers
+    found = solve(replace(state.scene, rods=rods, solver=replace(state.scene.solver, max_seconds=left)))
+    if found.status != "converged":
+        return
+    moved = [
+        np.linalg.norm(_ends(other, found.q) - _ends(rod, state.q), axis=1) / rod.rod.length
+        for rod, other in zip(state.model.rods, found.model.rods, strict=True)
+    ]
+    numbers = [
+        rod_numbers(state.solution, rod, False)["shear"] for rod in state.model.rods if rod.rod.name in axial
+    ]
+    first = next(rod for rod in state.scene.rods if rod.name in axial)
+    yield state.judged(
+        "cable",
+        max(float(shift[-1]) for shift in moved),
+        max(float(shift.max()) for shift in moved),
+        False,
+        'element = "cable" would do',
+        'element = "cable" would not do: it has neither shear nor a section at finite strain',
+        listed=first.element,
+        number=max(number or 0.0 for number in numbers),
+        measure="shear EI/(GA L^2)",
+    )
 
-    numbers = [rod_numbers(state.solution, rod, False)["shear"] or 0.0 for rod in state.model.rods]
-    yield state.influence(
-        "shear",
-        replace(state.near, rods=stiff),
-        'element = "cable" would do, which leaves it out',
-        'matters: element = "cable" would leave it out',
-        times=2.0,
-        listed="yes",
-        number=max(numbers),
-        measure="EI/(GA L^2)",
-    )
+
+def _ends(rod: RodModel, q: Floats) -> Floats:
+    """Where elements end (n_el + 1, 3) [m], from the base of the rod."""
+    inner = len(rod.element.node_xi) - 1
+    return rod.nodal(q)[::inner, rod.element.vectors.index(R)]
 
 
 def _mesh(state: State) -> Iterator[Influence]:

@@ -171,7 +171,7 @@ def _of_cables(rods: Sequence[Rod]) -> str:
     """What cables in the place of rods would leave out."""
     names = ", ".join(repr(rod.name) for rod in rods)
     return (
-        f'cable, on request: nothing turns or twists sections of {names}, element = "cable" would do;'
+        f'cable, on request: nothing turns or twists sections of {names}, element = "cable" is possible;'
         f" it leaves out shear, some {max(map(_shear_share, rods)):.1g} of a tip force's deflection"
     )
 
