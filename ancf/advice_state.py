@@ -120,13 +120,16 @@ class State:
         """Which of the nodes are tips."""
         return np.cumsum([len(rod.q0) for rod in self.model.rods]) - 1
 
-    def influence(self, effect: str, other: Scene, negligible: str, matters: str, **about: Any) -> Influence:
+    def influence(
+        self, effect: str, other: Scene, negligible: str, matters: str, rough: bool = False, **about: Any
+    ) -> Influence:
         """Influence of a change of the scene, with the advice for either verdict.
 
+        rough : whether the change is an estimate itself
         about : further fields of `Influence`
         """
         dq = self.neighbour(other)
-        first_order = dq is None
+        first_order = rough or dq is None
         if dq is None:
             dq = self.first_step(other)
         if dq is None:

@@ -3,6 +3,7 @@ r"""Effects that a scene leaves out, at a magnitude that is typical of them, and
     weight             of every rod, in the worst direction; 1000 kg/m3 where a material has no density
     tendon friction    capstan friction with mu = 0.1 in tendons of given tension that have none
     tendon stretch     of tendons of given length, by T/(E A) with E A = 10 kN
+    swelling           of chambers under pressure in walls that no fibres hold (chamber_swelling.py)
     field gradient     a magnetic field that varies by a tenth over the rod, in the worst direction
 
 Influences of friction, stretch and gradient are in proportion to what is assumed while they are small, so
@@ -11,6 +12,7 @@ they can be read for other magnitudes. Contact is in missing_contacts.py.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.advice_state import State
+from ancf.chamber_swelling import largest_swelling
 from ancf.hyperelastic import Law
 from ancf.influence import MATTERS, Influence
 from ancf.model import Model
@@ -31,6 +34,7 @@ DENSITY = 1000.0  # kg/m3, water; silicones have 1000 to 1200, nitinol 6500, ste
 # Steel on nylon or in a PTFE tube; in bare silicone more.
 FRICTION = 0.1
 TENDON_STIFFNESS = 1e4  # N, E A of a steel rope of 0.5 mm; of nylon or polyethylene line of 0.5 mm about 1e3
+LARGEST_SWELLING = 0.3  # of the radius: beyond, small strain says nothing
 FIELD_CHANGE = 0.1  # of the field over the rod: a magnet at 30 rod lengths, as its field falls by 3/distance
 
 
@@ -41,6 +45,8 @@ def missing_effects(state: State) -> Iterator[Influence]:
             yield _tendon_friction(state)
         if state.scene.controlled_tendons:
             yield _tendon_stretch(state)
+        if state.scene.pressures:
+            yield from _swelling(state)
         if any(np.any(magnet.field) and np.any(magnet.remanence) for magnet in state.scene.magnets):
             yield _field_gradient(state)
     if state.scene.gravity is None:  # six equilibria where rods touch, so it comes last
@@ -115,6 +121,32 @@ def _tendon_stretch(state: State) -> Influence:
         softest = TENDON_STIFFNESS * found.largest / state.limit
         found = replace(found, note=f"{found.note}; matters below {softest:.2g} N")
     return found
+
+
+def _swelling(state: State) -> Iterator[Influence]:
+    rods = {rod.name: rod for rod in state.scene.rods}
+    growth = [largest_swelling(rods[one.rod], one) for one in state.scene.pressures]
+    known = [share for share in growth if share is not None]
+    if len(known) < len(growth):
+        return  # only round sections are known
+    worst = max(known, key=abs)
+    note = "walls without fibres taken, at small strain"
+    if abs(worst) > LARGEST_SWELLING:
+        note = f"walls without fibres would balloon: the radius by {worst:.0%} and more"
+    wider = tuple(
+        replace(one, value=one.value * (1.0 + min(share, LARGEST_SWELLING)) ** 2)
+        for one, share in zip(state.scene.pressures, known, strict=True)
+    )
+    yield state.influence(
+        "swelling of chambers",
+        replace(state.near, pressures=wider),
+        "rightly left out",
+        "would matter: hold the walls by fibres, or enlarge the chamber",
+        rough=True,
+        number=worst if math.isfinite(worst) else None,
+        measure="growth of the radius",
+        note=note,
+    )
 
 
 def _field_gradient(state: State) -> Influence:
