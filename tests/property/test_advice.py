@@ -29,6 +29,14 @@ SCENES = sorted([*(ROOT / "examples").glob("*.toml"), *(ROOT / "validation/contr
 NOISE = 1e-9  # of solving: 10 times the tolerance of a step
 
 
+@pytest.fixture(autouse=True, scope="module")
+def patient():
+    """On a busy machine what is not found in time would only be estimated."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ancf.advice.SECONDS", 120.0)
+        yield
+
+
 def on_its_mesh(solution: Solution) -> Scene:
     """The scene of a solution with the mesh that it has, which effects then cannot move."""
     rods = tuple(replace(r.rod, breaks=tuple(r.mesh.breaks / r.rod.length)) for r in solution.model.rods)

@@ -25,6 +25,14 @@ EI = E * np.pi * R**4 / 4
 SHARE = st.floats(0.1, 1.0)
 
 
+@pytest.fixture(autouse=True, scope="module")
+def patient():
+    """On a busy machine what is not found in time would only be estimated."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ancf.advice.SECONDS", 120.0)
+        yield
+
+
 def rod(**fields: Any) -> dict[str, Any]:
     material = {"young_modulus": E, "poisson_ratio": 0.3, **fields.pop("material", {})}
     section = {"shape": "circle", "radius": R}
