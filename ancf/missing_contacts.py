@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from ancf.advice_state import State
 from ancf.contact_points import contact_points
@@ -31,6 +33,8 @@ from ancf.obstacles import Obstacle
 from ancf.rod_model import RodModel
 from ancf.scene import Contact, Rod, Scene
 from ancf.sections import Annulus, Circle
+
+Floats = NDArray[np.float64]
 
 ITSELF, RODS, OBSTACLES = "contact with itself", "contact between rods", "contact with obstacles"
 # Distances looked at for a pair of rods: 80 MB. Rods that ask for more are not looked at.
@@ -112,9 +116,25 @@ def _gap(state: State, contact: Contact) -> _Pair | None:
             if points.shape[0] * points.shape[1] * len(b.dofs) * (SAMPLES + 1) > MOST_DISTANCES:
                 return None
             gap = np.min(RodContact(a, b).gaps(state.q))
+            if a is b and gap > 0.0:
+                gap = _bight(a, state.q) - 2.0 * radius
     except SceneError:
         return None
-    return _Pair(contact, float(gap), radius) if np.isfinite(gap) else None
+    return _Pair(contact, float(gap), radius)
+
+
+def _bight(rod: RodModel, q: Floats) -> float:
+    """Least distance [m] at which the axis of a rod comes near itself again; inf where it does not.
+
+    From each of its points the distance grows along the rod; a minimum beyond counts.
+    """
+    points = contact_points(rod, _thinnest(rod))
+    first = np.unique(np.round(points.at.ravel(), 12), return_index=True)[1]
+    r = np.einsum("mpn,mnc->mpc", points.N, rod.element_vectors(q)).reshape(-1, 3)[first]
+    distance = np.pad(cdist(r, r), ((0, 0), (1, 1)), constant_values=np.inf)
+    here = distance[:, 1:-1]
+    least = (here < distance[:, :-2]) & (here < distance[:, 2:]) & ~np.eye(len(r), dtype=bool)
+    return float(np.min(here[least], initial=np.inf))
 
 
 def _thinnest(rod: RodModel) -> float:
@@ -125,7 +145,7 @@ def _thinnest(rod: RodModel) -> float:
 def _influence(state: State, effect: str, pairs: list[_Pair]) -> Influence:
     nearest = min(pairs, key=lambda pair: pair.gap)
     length = state.scene.rod(nearest.contact.rod).length
-    about = {"number": nearest.gap / length, "measure": "gap/L"}
+    about = {"number": nearest.gap / length if np.isfinite(nearest.gap) else None, "measure": "gap/L"}
     closed = [pair for pair in pairs if pair.closed]
     if not closed:
         return state.judged(effect, 0.0, 0.0, False, "nothing touches", "", **about)

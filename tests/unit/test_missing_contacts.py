@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import ancf
 from ancf.advice import advise
@@ -17,7 +15,6 @@ from ancf.influence import MATTERS, NEGLIGIBLE, Influence
 from ancf.missing_contacts import ITSELF, OBSTACLES, RODS, candidate_contacts
 from ancf.scene import Contact, Scene
 from tests.property.test_advice import largest_shift
-from tests.strategies import fewer
 
 L, R, E = 0.4, 0.01, 1e6
 EI = E * np.pi * R**4 / 4
@@ -55,42 +52,38 @@ def true_shift(scene: Scene, *contacts: Contact) -> float:
     return largest_shift(plain, touching)
 
 
-def pressed(height: float, force: float) -> Scene:
-    """Two arms above each other; the upper one is pressed down."""
+def pressed(gap: float, force: float) -> Scene:
+    """An arm that is pressed down on another one across it, the axes gap radii apart."""
+    across = rod("high", elements=6)
+    across["base"] = {"position": [0.25, -0.2, gap * R], "x_axis": [0, 1, 0], "y_axis": [-1, 0, 0]}
     return ancf.scene_from_dict(
         {
-            "rod": [rod("low"), rod("high", height)],
+            "rod": [rod("low", elements=6), across],
             "force": [{"rod": "high", "value": [0, 0, -force * EI / L**2]}],
         }
     )
 
 
-@settings(max_examples=fewer(5), deadline=None)
-@given(st.floats(2.2, 8.0), st.floats(0.05, 2.0))
+@pytest.mark.parametrize(("gap", "force"), [(2.5, 0.1), (3.0, 0.7), (8.0, 0.5)])
 def test_rods(gap, force):
-    """Gap of parallel rods; P L^3/(3 E I) says whether the upper one comes down to the other."""
-    scene = pressed(gap * R, force)
+    """P x^2 (3 L - x)/(6 E I) says how far the upper one comes down where they cross, in its middle."""
+    scene = pressed(gap, force)
     found = of(scene, RODS)
     assert found is not None and found.number is not None and found.largest is not None
+    drop = force * 5.0 / 48.0  # of L, to first order
+    assert found.number == pytest.approx((gap - 2.0) * R / L - drop, abs=0.05 * drop)
     if found.number > 0.0:
-        drop = -ancf.solve(scene).nodes("high")[-1, 2] + gap * R
-        assert found.number * L <= (gap - 2.0) * R + 1e-9
-        assert found.number * L >= (gap - 2.0) * R - drop - 1e-9
-        assert (found.largest, found.verdict) == (0.0, NEGLIGIBLE)
+        assert (found.largest, found.verdict, found.advice) == (0.0, NEGLIGIBLE, "nothing touches")
         assert true_shift(scene, Contact("high", other="low")) < 1e-9
-    elif found.number < -1e-5:
+    else:
         true = true_shift(scene, Contact("low", other="high"))
-        assert found.largest == pytest.approx(true, rel=1e-3, abs=1e-6)
-        assert found.verdict == (MATTERS if true > 1e-3 else NEGLIGIBLE)
-        assert '[[contact]] rod = "low", with = { shape = "rod", name = "high" }' in found.advice or (
-            found.verdict == NEGLIGIBLE
-        )
+        assert found.verdict == MATTERS and found.largest == pytest.approx(true, rel=1e-3)
+        assert '[[contact]] rod = "low", with = { shape = "rod", name = "high" }' in found.advice
 
 
-@pytest.mark.parametrize("force", [1.0, 2.5])
-def test_bound_where_no_equilibrium_is_found(force, monkeypatch):
+def test_bound_where_no_equilibrium_is_found(monkeypatch):
     """Half the depth of two rods, which is less than what the contact moves them by."""
-    scene = pressed(2.5 * R, force)
+    scene = pressed(2.5, 0.5)
     known = of(scene, RODS)
     monkeypatch.setattr(State, "neighbour", lambda *_, **__: None)
     found = of(scene, RODS)
@@ -99,6 +92,16 @@ def test_bound_where_no_equilibrium_is_found(force, monkeypatch):
     assert found.largest == pytest.approx(-found.number / 2.0)
     assert known.largest >= found.largest
     assert "at least" in found.note
+
+
+def test_bound_at_an_obstacle(monkeypatch):
+    """The whole depth, which is less than what the obstacle moves the rod by."""
+    scene = floored(-0.03)
+    known = of(scene, OBSTACLES)
+    monkeypatch.setattr(State, "neighbour", lambda *_, **__: None)
+    found = of(scene, OBSTACLES)
+    assert known is not None and found is not None and known.largest and found.largest and found.number
+    assert found.largest == pytest.approx(-found.number) and known.largest >= found.largest
 
 
 def curled(turns: float) -> Scene:
@@ -113,10 +116,11 @@ def test_an_arm_that_rolls_up(turns):
     found = of(curled(turns), ITSELF)
     assert found is not None and found.number is not None
     if turns < 1.0:
-        # Chord of the gap of a circle of radius L/(2 pi turns), less the diameter of the rod.
+        # The tip comes back towards the base: chord of the open part of a circle of radius L/(2 pi turns),
+        # less the diameter of the rod. Saint Venant-Kirchhoff bends by (kappa R)^2 = 1.6 % more.
         radius = L / (2 * np.pi * turns)
         chord = 2 * radius * np.sin(np.pi * turns)
-        assert found.number == pytest.approx((chord - 2 * R) / L, rel=0.02)
+        assert found.number == pytest.approx((chord - 2 * R) / L, rel=0.1)
         assert found.verdict == NEGLIGIBLE and found.largest == 0.0
     else:
         assert found.number == pytest.approx(-2 * R / L, rel=0.02)
@@ -125,17 +129,28 @@ def test_an_arm_that_rolls_up(turns):
         assert (found.largest or 0.0) == pytest.approx(true, rel=0.05)
 
 
-@pytest.mark.parametrize("height", [-0.03, -0.2])
-def test_obstacles_of_other_rods(height):
-    """A floor that is listed for one of two arms is there for the other, too."""
+def test_a_bent_arm_is_not_near_itself():
+    """Neighbours along the rod are near each other, which is no contact: there is no number."""
+    found = of(curled(0.4), ITSELF)
+    assert found is not None and (found.number, found.largest, found.verdict) == (None, 0.0, NEGLIGIBLE)
+
+
+def floored(height: float) -> Scene:
+    """Two arms that bend down towards a floor, which is listed for one of them."""
     floor = {"shape": "plane", "point": [0, 0, height], "normal": [0, 0, 1]}
-    scene = ancf.scene_from_dict(
+    return ancf.scene_from_dict(
         {
             "rod": [rod("a"), rod("b", base={"position": [0, 0.1, 0]})],
             "force": [{"rod": name, "value": [0, 0, -1.0 * EI / L**2]} for name in ("a", "b")],
             "contact": [{"rod": "a", "with": floor}],
         }
     )
+
+
+@pytest.mark.parametrize("height", [-0.03, -0.2])
+def test_obstacles_of_other_rods(height):
+    """A floor that is listed for one of two arms is there for the other, too."""
+    scene = floored(height)
     found = of(scene, OBSTACLES)
     assert found is not None and found.number is not None
     tip = ancf.solve(scene).tip("b").position[2]
@@ -170,7 +185,8 @@ def test_what_is_not_looked_at():
     assert [one.rod for one in found[OBSTACLES]] == ["c"]
     a, b = ({"rod": name, "at": 1.0} for name in ("a", "b"))
     joint = {"kind": "rigid", "a": a, "b": b, "reference": "apart"}
-    joined = ancf.scene_from_dict({"rod": rods[:2], "joint": [joint]})
+    held = [{**one, "supports": [{"at": 0.0}]} for one in rods[:2]]
+    joined = ancf.scene_from_dict({"rod": held, "joint": [joint]})
     assert candidate_contacts(joined)[RODS] == []
     within = ancf.scene_from_dict(
         {"rod": [rod("a"), rod("b", 0.5 * R)], "force": [{"rod": "a", "value": [0, 0.01, 0]}]}
