@@ -1,19 +1,8 @@
 r"""Advice on a scene: which effects could be left out, which missing one would matter, and by how much.
 
-The scene is solved once, and again without each effect, beginning at its equilibrium q; the shift is the
-influence of the effect, counted in rod lengths at the tip and where it is largest. Where there is no time for
-that, or no equilibrium, one Newton step counts,
-
-    dq = -K^-1 g(q),
-
-with residual g and tangent K of the changed scene: the influence to first order. If the scene itself has no
-equilibrium the step is made at the reference, where forces meet the stiffness of the unloaded rods.
-
-Weight is the one missing effect that a scene tells enough about, if its materials have a density. Its
-direction is not known, so the worst one counts: the largest singular value of three first steps.
-
-An influence below the wanted accuracy is negligible, above it matters. To first order that is said below half
-of it and above twice of it; in between one step is too coarse to tell.
+The scene is solved once, and again with each change (advice_state.py): without each effect that it lists,
+with each that it leaves out (missing_effects.py, missing_contacts.py), and with the other of two choices
+(choices.py). The shift is the influence, counted in rod lengths at the tip and where it is largest.
 """
 
 from __future__ import annotations
@@ -24,48 +13,36 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ancf.model import Model
-from ancf.scene import Gravity, Scene, StabilityOptions
+from ancf.advice_state import State
+from ancf.choices import choices
+from ancf.influence import MATTERS, UNKNOWN, Influence
+from ancf.missing_contacts import missing_contacts
+from ancf.missing_effects import missing_effects
+from ancf.scene import Scene, StabilityOptions
 from ancf.scene_effects import EFFECT_MODULES
-from ancf.scene_numbers import STANDARD_GRAVITY, rod_numbers
-from ancf.solution import Solution, Status
-from ancf.stepping import find_equilibrium
-
-Floats = NDArray[np.float64]
+from ancf.scene_numbers import rod_numbers
 
 ACCURACY = 1e-3  # of the length, where the scene asks for none
 SECONDS = 5.0  # what finding the equilibrium may take, and all others as much
-SURE = 2.0  # factor within which one Newton step tells a small influence
-NEGLIGIBLE, CLOSE, MATTERS, UNKNOWN = "negligible", "close", "matters", "unknown"
-
-
-@dataclass(frozen=True)
-class Influence:
-    """What one effect does to the shape, in rod lengths; None where it cannot be estimated."""
-
-    effect: str  # name of its table
-    tip: float | None  # shift of the tip of a rod, of the rod where it is largest
-    largest: float | None  # shift of a node of the axis
-    verdict: str
-    first_order: bool = True  # by one Newton step, not by the equilibrium of the changed scene
-    note: str = ""
+NEEDED, LEFT_OUT = "needed", "could be left out"
 
 
 @dataclass(frozen=True)
 class Advice:
-    """Numbers of a scene and the influence of its effects, and of missing ones, at an accuracy.
+    """Numbers of a scene and the influence of its effects, of missing ones and of choices, at an accuracy.
 
-    `state` is where they were estimated: "equilibrium" or "reference".
+    `state` is where they were estimated, "equilibrium" or "reference"; `status` that of the solution.
     """
 
     accuracy: float
     asked: bool  # whether the scene asks for the accuracy
     state: str
+    status: str
     numbers: dict[str, dict[str, float | None]]  # by rod
     listed: list[Influence]
     missing: list[Influence]
+    choices: list[Influence]
 
     def as_dict(self) -> dict[str, Any]:
         """Plain Python; every number is finite."""
@@ -73,9 +50,11 @@ class Advice:
             "accuracy": self.accuracy,
             "accuracy_source": "solver.accuracy" if self.asked else "default",
             "state": self.state,
+            "status": self.status,
             "numbers": self.numbers,
             "listed": [vars(influence) for influence in self.listed],
             "missing": [vars(influence) for influence in self.missing],
+            "choices": [vars(influence) for influence in self.choices],
         }
 
 
@@ -96,15 +75,18 @@ def advise(scene: Scene, wanted: float | None = None) -> Advice:
     buckled = scene.stability is not None and scene.stability.branch == "buckled"
     stability = StabilityOptions(1, "buckled") if buckled else None
     solution = solve(replace(scene, solver=options, stability=stability))
-    state = _State.of(solution, time.perf_counter() + SECONDS)
     limit = ACCURACY if wanted is None else wanted
+    state = State.of(solution, limit, time.perf_counter() + SECONDS)
     return Advice(
         accuracy=limit,
         asked=wanted is not None,
-        state=state.name,
+        state="equilibrium" if state.known else "reference",
+        status=str(solution.status),
         numbers={rod.rod.name: rod_numbers(solution, rod, state.known) for rod in solution.model.rods},
-        listed=[_listed(state, name, other, limit) for name, other in without_each(state.scene)],
-        missing=[] if scene.gravity is not None else [_weight(state, limit)],
+        listed=[*_listed(state)],
+        choices=[*choices(state)],
+        # Contact last: it may take what time is left.
+        missing=[*missing_effects(state), *missing_contacts(state)],
     )
 
 
@@ -118,98 +100,15 @@ def without_each(scene: Scene) -> Iterator[tuple[str, Scene]]:
         yield added.table, replace(scene, added=tuple(other for other in scene.added if other is not added))
 
 
-@dataclass(frozen=True)
-class _State:
-    """Where influences are estimated."""
-
-    name: str
-    model: Model
-    scene: Scene  # on the mesh of the model, whatever effects it is given
-    q: Floats
-    load_factor: float  # of the tangent
-    deadline: float  # for finding other equilibria
-
-    @classmethod
-    def of(cls, solution: Solution, deadline: float) -> _State:
-        model = solution.model
-        rods = [replace(r.rod, breaks=tuple(r.mesh.breaks / r.rod.length)) for r in model.rods]
-        scene = replace(model.scene, rods=tuple(rods))
-        if solution.status is Status.CONVERGED:
-            return cls("equilibrium", model, scene, solution.q, 1.0, deadline)
-        return cls("reference", model, scene, model.q0, 0.0, deadline)
-
-    @property
-    def known(self) -> bool:
-        return self.name == "equilibrium"
-
-    def neighbour(self, other: Scene) -> Floats | None:
-        """Motion (n or less,) to the equilibrium of another scene, None where it is not found in time."""
-        left = self.deadline - time.perf_counter()
-        if not self.known or left <= 0.0:
-            return None
-        model = Model(replace(other, solver=replace(other.solver, max_seconds=left)))
-        # The tensions of tendons of given length, which it may lack, are the last unknowns.
-        start = self.q[: model.n]
-        trace = find_equilibrium(model, start)
-        return trace.q - start if trace.status is Status.CONVERGED else None
-
-    def first_step(self, other: Scene) -> Floats | None:
-        """dq (n or less,) of one Newton step; None where the other scene's tangent is singular, dq overflows,
-        or a rod may touch: contact is not linear.
-        """
-        if other.contacts or self.scene.contacts:
-            return None
-        model = Model(other)
-        q = self.q[: model.n]
-        g = model.residual(q).at(1.0) - self.model.residual(self.q).at(1.0)[: model.n]
-        try:
-            _, flat = model.residual_and_tangent(q, self.load_factor)
-            dq = model.system.solve(model.system.factorise(flat), -g)
-        except (ArithmeticError, np.linalg.LinAlgError):
-            return None
-        size = dq / model.unit
-        return dq if np.isfinite(size @ size) else None
-
-    def shifts(self, dq: Floats) -> tuple[Floats, NDArray[np.intp]]:
-        """Shifts (nodes of all rods, 3) in the lengths of their rods, and which nodes are tips."""
-        moved = [rod.nodal(dq)[:, 0] / rod.rod.length for rod in self.model.rods]
-        return np.concatenate(moved), np.cumsum([len(part) for part in moved]) - 1
-
-
-def _listed(state: _State, name: str, without: Scene, limit: float) -> Influence:
-    """Influence of a listed effect."""
-    dq = state.neighbour(without)
-    first_order = dq is None
-    if dq is None:
-        dq = state.first_step(without)
-    if dq is None:
-        note = "no estimate: nothing holds the structure without it, or its loads are too large"
-        return Influence(name, None, None, MATTERS, note=note)
-    moved, tips = state.shifts(dq)
-    size = np.linalg.norm(moved, axis=1)
-    largest = float(size.max())
-    return Influence(
-        name, float(size[tips].max()), largest, _verdict(largest, limit, first_order), first_order
-    )
-
-
-def _verdict(largest: float, limit: float, first_order: bool) -> str:
-    factor = SURE if first_order else 1.0
-    return NEGLIGIBLE if largest < limit / factor else MATTERS if largest > limit * factor else CLOSE
-
-
-def _weight(state: _State, limit: float) -> Influence:
-    """Influence of the weight that the scene leaves out, in the worst direction."""
-    if any(part.material.density is None for rod in state.scene.rods for part in rod.parts):
-        return Influence("gravity", None, None, UNKNOWN, note="a material has no density")
-    columns = []
-    for direction in np.eye(3):
-        dq = state.first_step(replace(state.scene, gravity=Gravity(STANDARD_GRAVITY * direction)))
-        if dq is None:
-            return Influence("gravity", None, None, UNKNOWN, note="the tangent is singular here")
-        moved, tips = state.shifts(dq)
-        columns.append(moved)
-    worst = np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2))
-    largest = float(worst.max())
-    note = f"{STANDARD_GRAVITY:g} m/s2 in the worst direction"
-    return Influence("gravity", float(worst[tips].max()), largest, _verdict(largest, limit, True), note=note)
+def _listed(state: State) -> Iterator[Influence]:
+    """Influence of each listed effect, and of the friction of tendons beside that of tendons."""
+    for name, without in without_each(state.scene):
+        found = state.influence(name, without, LEFT_OUT, NEEDED, listed="yes")
+        if found.verdict == UNKNOWN:
+            note = "nothing holds the structure without it, or its loads are too large"
+            found = replace(found, verdict=MATTERS, advice=NEEDED, note=note)
+        yield found
+    if state.known and any(tendon.friction for tendon in state.scene.tendons):
+        smooth = tuple(replace(tendon, friction=0.0) for tendon in state.scene.tendons)
+        other = replace(state.near, tendons=smooth)
+        yield state.influence("tendon friction", other, LEFT_OUT, NEEDED, listed="yes")

@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from ancf.accuracy_record import Accuracy
-    from ancf.advice import Advice, Influence
     from ancf.model import Model
     from ancf.scene import Rod, Scene
     from ancf.segments import Segment
@@ -97,10 +96,11 @@ def check(
     out or is missing.
     """
     from ancf.advice import advise
+    from ancf.advice_text import advice_lines
     from ancf.io import result_text
     from ancf.reductions import sentences
     from ancf.scene_file import load_scene
-    from ancf.scene_materials import law_name
+    from ancf.scene_text import record_text, rod_lines
     from ancf.solver import prepare
     from ancf.validity import scene_warnings
 
@@ -124,22 +124,11 @@ def check(
         return
     console.print(f"{scene}: {loaded.title}" if loaded.title else str(scene))
     for rod in loaded.rods:
-        held = ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports) or "no support"
-        count = (
-            f"{rod.elements} x {rod.element}"
-            if rod.elements
-            else f"elements to be chosen, {_first_choice(rod)}"
-        )
-        console.print(f"  rod {rod.name}: {rod.length:g} m, {count} {rod.formulation}, {held}")
-        for part in rod.parts:
-            taper = f" to {part.section_end}" if part.tapered else ""
-            number = f", {part.elements} elements" if part.elements else ""
-            piece = f"{part.length:g} m{number}: " if rod.segments else ""
-            console.print(f"    {piece}{part.section}{taper}")
-            console.print(f"    {law_name(part.material)}: {_fields_text(part.material)}")
+        for line in rod_lines(rod):
+            console.print(f"  {line}", soft_wrap=True)
     for name, records in _listed(loaded).items():
         for record in records:
-            console.print(f"  {name}: {_fields_text(record)}")
+            console.print(f"  {name}: {record_text(record)}", soft_wrap=True)
     console.print(f"  effects:    {', '.join(found['effects'])}")
     first = ""
     if "accuracy" in found:
@@ -147,34 +136,11 @@ def check(
         first = f" on the first mesh, of {sum(found['accuracy']['first_mesh'].values())} elements"
     console.print(f"  unknowns:   {found['unknowns']}{first}")
     for sentence in found["reductions"] or ["none"]:
-        console.print(f"  reduction:  {sentence}")
+        console.print(f"  reduction:  {sentence}", soft_wrap=True)
     for warning in found["warnings"]:
-        console.print(f"  warning:    {warning}")
-    for line in _advice_lines(advice):
+        console.print(f"  warning:    {warning}", soft_wrap=True)
+    for line in advice_lines(advice):
         console.print(f"  {line}", soft_wrap=True)
-
-
-def _advice_lines(advice: Advice) -> Iterator[str]:
-    """Numbers of each rod, and what each effect, listed or missing, does to the tip."""
-    for name, numbers in advice.numbers.items():
-        known = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items() if value is not None)
-        yield f"numbers:    {name}: {known}"
-    source = "" if advice.asked else " (default; [solver] accuracy sets it)"
-    yield f"advice:     at {advice.accuracy:g} of the length{source}, estimated at the {advice.state}"
-    words = {"negligible": "could be left out", "close": "too close to tell", "matters": "matters"}
-    for influence in advice.listed:
-        yield f"  {influence.effect}: {_shift_text(influence)}{words[influence.verdict]}"
-    words = {**words, "negligible": "is rightly left out", "matters": "would matter", "unknown": "unknown"}
-    for influence in advice.missing:
-        note = f" ({influence.note})" if influence.note else ""
-        yield f"  {influence.effect}, not listed: {_shift_text(influence)}{words[influence.verdict]}{note}"
-
-
-def _shift_text(influence: Influence) -> str:
-    if influence.tip is None or influence.largest is None:
-        return ""
-    elsewhere = "" if influence.largest < 1.1 * influence.tip else f", {influence.largest:.1e} L elsewhere"
-    return f"moves the tip by {influence.tip:.1e} L{elsewhere}: "
 
 
 def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
@@ -183,11 +149,6 @@ def _wanted(scene: Scene, model: Model) -> dict[str, Any]:
         return {}
     first = {rod.rod.name: rod.rod.elements for rod in model.rods}
     return {"accuracy": {"wanted": scene.solver.accuracy, "first_mesh": first}}
-
-
-def _first_choice(rod: Rod) -> str:
-    """Which element a rod without a mesh begins with, and whether it keeps it."""
-    return f"first {rod.element}" if rod.any_element else rod.element
 
 
 def _check_one(scenes: list[Path], view: Path) -> None:
@@ -329,6 +290,13 @@ def _describe(rod: Rod) -> dict[str, Any]:
         "element": rod.element,
         "formulation": rod.formulation,
         "axial_rule": rod.axial_rule,
+        "base": {
+            "position": rod.base.position.tolist(),
+            "x_axis": rod.base.rotation[:, 0].tolist(),
+            "y_axis": rod.base.rotation[:, 1].tolist(),
+        },
+        "curvature": rod.curvature.tolist(),
+        "shear_factors": list(rod.shear_factors),
         **({"segments": segments} if segments else _made_of(rod.parts[0])),
         "supports": [{"at": support.at, "kind": support.kind} for support in rod.supports],
     }
@@ -350,13 +318,3 @@ def _fields(record: Any) -> dict[str, Any]:
     """Fields of a frozen record that are set."""
     values = {field.name: getattr(record, field.name) for field in fields(record)}
     return {key: value for key, value in values.items() if value is not None}
-
-
-def _fields_text(record: Any) -> str:
-    """Fields of a record in one line; of another package's record what it prints."""
-    if not is_dataclass(record):
-        return str(record)
-    return ", ".join(
-        f"{key} = {value.tolist() if hasattr(value, 'tolist') else value}"
-        for key, value in _fields(record).items()
-    )

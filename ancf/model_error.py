@@ -18,6 +18,8 @@ and whether the law is that of the material.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -76,19 +78,32 @@ def model_errors(estimate: ErrorEstimate, elements: tuple[str, ...]) -> list[dic
     taken with the same element. Shape, moments and adjoint are those of the finer mesh; the element that
     found them makes no difference of first order.
     """
+    found = []
+    for rod, shift in zip(estimate.finer.model.rods, model_shifts(estimate, elements), strict=False):
+        errors = np.linalg.norm(shift, axis=1) / rod.rod.length
+        found.append({name: float(error) for name, error in zip(elements, errors, strict=True)})
+    return found
+
+
+def model_shifts(
+    estimate: ErrorEstimate, elements: tuple[str, ...], law_of: Callable[[Law], Law] = lambda law: law
+) -> list[Floats]:
+    """Motion of each tip (elements, 3) [m] from where the elements have it to where the solid would.
+
+    law_of : another law in the place of that of a segment, at the curvatures of this equilibrium
+    """
     solution = estimate.finer
     rods = solution.model.rods
-    defects = [_moment_defects(solution, rod, elements) for rod in rods]
+    defects = [_moment_defects(solution, rod, elements, law_of) for rod in rods]
     found = []
-    for index, rod in enumerate(rods):
+    for index in range(len(rods)):
         z = _adjoint(estimate, index)
         if z is None:
             return []
         shift = np.zeros((len(elements), 3))
         for other, dm in zip(rods, defects, strict=True):
             shift -= np.einsum("kea,cea->kc", dm, np.diff(_spins(other, solution.q, z), axis=1))
-        errors = np.linalg.norm(shift, axis=1) / rod.rod.length
-        found.append({name: float(error) for name, error in zip(elements, errors, strict=True)})
+        found.append(shift)
     return found
 
 
@@ -114,7 +129,9 @@ def _spins(rod: RodModel, q: Floats, z: Floats) -> Floats:
     return np.einsum("nikc,znkc->zni", spin, nodal[:, ::inner, columns])
 
 
-def _moment_defects(solution: Solution, rod: RodModel, elements: tuple[str, ...]) -> Floats:
+def _moment_defects(
+    solution: Solution, rod: RodModel, elements: tuple[str, ...], law_of: Callable[[Law], Law]
+) -> Floats:
     """dm (elements asked for, n_el, 3) [N m] in SCS, the mean over each element of the mesh."""
     name, points = rod.rod.name, rod.axial_points
     axes, moment = solution.section_axes(name), solution.section_forces(name).moment
@@ -130,7 +147,7 @@ def _moment_defects(solution: Solution, rod: RodModel, elements: tuple[str, ...]
             m = local[first + n]
             for row, element in enumerate(elements):
                 own = rod.rod.formulation if element == rod.rod.element else ELEMENTS[element].formulations[0]
-                share = relative_defect(element, own, section, segment.material, m)
+                share = relative_defect(element, own, section, law_of(segment.material), m)
                 share[1:] -= segment.slope**2
                 found[row, first + n] = axes[first + n] @ (share * m)
     return found.reshape(len(elements), -1, points, 3).mean(axis=2)

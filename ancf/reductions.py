@@ -17,6 +17,7 @@ in full, as are batches.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -66,7 +67,8 @@ class Reductions:
             found.append(f"symmetric: {where}the loads have a potential, Cholesky factors replace LU")
         if model.scene.solver.reduction == "full":
             return []
-        return found + [_of_cable(rod) for rod in model.scene.rods if could_be_cable(model.scene, rod)]
+        axial = [rod for rod in model.scene.rods if could_be_cable(model.scene, rod)]
+        return [*found, _of_cables(axial)] if axial else found
 
 
 def chosen(scene: Scene, source: str = "") -> Reductions:
@@ -168,15 +170,19 @@ def _in_full(scene: Scene) -> Message:
     )
 
 
-def _of_cable(rod: Rod) -> str:
-    """What a cable in the place of a rod would leave out."""
+def _of_cables(rods: Sequence[Rod]) -> str:
+    """What cables in the place of rods would leave out."""
+    names = ", ".join(repr(rod.name) for rod in rods)
+    return (
+        f'cable, on request: nothing turns or twists sections of {names}, element = "cable" is possible;'
+        f" it leaves out shear, some {max(map(_shear_share, rods)):.1g} of a tip force's deflection"
+    )
+
+
+def _shear_share(rod: Rod) -> float:
     part = min(rod.parts, key=lambda part: part.section.area)
     shear = part.section.area * part.material.lame_mu * min(rod.shear_factors) * rod.length**2
-    share = 3.0 * part.material.young_modulus * part.section.weaker_second_moment / shear
-    return (
-        f'cable, on request: nothing turns or twists sections of {rod.name!r}, element = "cable" would do;'
-        f" it leaves out shear, some {share:.1g} of a tip force's deflection"
-    )
+    return 3.0 * part.material.young_modulus * part.section.weaker_second_moment / shear
 
 
 def sentences(model: Model) -> list[str]:

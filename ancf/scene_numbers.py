@@ -38,13 +38,12 @@ def rod_numbers(solution: Solution, rod: RodModel, solved: bool) -> dict[str, fl
     soft_shear = min(s.area * m.young_modulus / (2.0 * (1.0 + m.poisson_ratio)) for s, m in sections)
     soft_axis = min(s.area * m.young_modulus for s, m in sections)
     g = STANDARD_GRAVITY if scene.gravity is None else float(np.linalg.norm(scene.gravity.acceleration))
-    mass = _mass(spec)
     forces = [load.value for load in scene.forces if load.rod == spec.name]
     forces += [L * load.value for load in scene.line_loads if load.rod == spec.name]
     moments = [load.value for load in scene.moments if load.rod == spec.name]
     moments += [L * load.value for load in scene.line_moments if load.rod == spec.name]
     found: dict[str, float | None] = {
-        "gravity": None if mass is None else mass * g * L**2 / EI,
+        "gravity": weight_number(rod, spec, g),
         "slenderness": L / max(section.outer_radius for section, _ in sections),
         "shear": EI / (min(spec.shear_factors) * soft_shear * L**2),
         "extension": EI / (soft_axis * L**2),
@@ -70,6 +69,12 @@ def rod_numbers(solution: Solution, rod: RodModel, solved: bool) -> dict[str, fl
     return {
         name: value if value is not None and np.isfinite(value) else None for name, value in found.items()
     }
+
+
+def weight_number(rod: RodModel, spec: Rod, g: float = STANDARD_GRAVITY) -> float | None:
+    """Weight of a rod, or of another `spec` of its shape, in units of E I/L^2; None without a density."""
+    mass = _mass(spec)
+    return None if mass is None else mass * g * rod.rod.length**2 / rod.bending_stiffness
 
 
 def _largest(vectors: np.ndarray | list[np.ndarray]) -> float:

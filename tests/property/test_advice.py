@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -12,20 +13,28 @@ import pytest
 from hypothesis import example, given, settings
 
 import ancf
-from ancf.advice import CLOSE, MATTERS, NEGLIGIBLE, STANDARD_GRAVITY, Advice, Influence, advise, without_each
+from ancf.advice import Advice, advise, without_each
+from ancf.advice_state import SMALL
+from ancf.influence import CLOSE, MATTERS, NEGLIGIBLE, Influence
 from ancf.model import Model
 from ancf.scene import Gravity, Scene
 from ancf.scene_effects import EFFECT_MODULES
+from ancf.scene_numbers import STANDARD_GRAVITY
 from ancf.solution import Solution
 from tests.property import test_random_balance
 from tests.strategies import fewer
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted([*(ROOT / "examples").glob("*.toml"), *(ROOT / "validation/contract_scenes").glob("*.toml")])
-SMALL = (
-    0.03  # rod lengths: here one Newton step tells the influence within a factor of 2 (the brief of `check`)
-)
 NOISE = 1e-9  # of solving: 10 times the tolerance of a step
+
+
+@pytest.fixture(autouse=True, scope="module")
+def patient():
+    """On a busy machine what is not found in time would only be estimated."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ancf.advice.SECONDS", 120.0)
+        yield
 
 
 def on_its_mesh(solution: Solution) -> Scene:
@@ -62,13 +71,18 @@ def check_listed(scene: Scene, limit: float) -> Advice | None:
         return None
     assert advice.state == "equilibrium"
     names = [name for name, _ in without_each(scene)]
-    assert [influence.effect for influence in advice.listed] == names
-    for influence, (_, less) in zip(advice.listed, without_each(on_its_mesh(solution)), strict=True):
-        # Between hinges brought together a cable without weight arches either way: the near one counts.
-        start = solution.q if scene.title.startswith("Cable hanging") else None
-        without = ancf.solve(less, start=start)
-        if without.status == "converged":
-            check_verdict(influence, largest_shift(solution, without), limit)
+    listed = [influence for influence in advice.listed if influence.effect != "tendon friction"]
+    assert [influence.effect for influence in listed] == names
+    for influence, (_, less) in zip(listed, without_each(on_its_mesh(solution)), strict=True):
+        found = [ancf.solve(less)]
+        # Where there are several equilibria without it the nearest counts; a cable between hinges brought
+        # together arches either way.
+        if found[0].model.n == solution.model.n:
+            found.append(ancf.solve(less, start=solution.q))
+        shifts = [largest_shift(solution, one) for one in found if one.status == "converged"]
+        if shifts:
+            true = min(shifts)
+            check_verdict(influence, true, limit)
     return advice
 
 
@@ -115,10 +129,16 @@ def test_advice_on_random_scenes(data):
         check_listed(ancf.scene_from_dict(scaled(data, share)), 1e-3)
 
 
+def missing(advice: Advice, effect: str) -> Influence:
+    (found,) = [one for one in advice.missing if one.effect == effect]
+    return found
+
+
 @pytest.mark.parametrize("density", [1.0, 20.0, 1000.0])
 def test_missing_weight(density):
-    """Against solving with the weight along three axes; the worst direction is their largest singular value,
-    as the shift is linear in a small weight."""
+    """Against solving with the weight in many directions: small ones, whose shift is linear, in the largest
+    singular value of three; others in the worst of 26 directions, which the advice has to find within a
+    factor of 2."""
     rod = {
         "length": 0.4,
         "elements": 6,
@@ -126,25 +146,43 @@ def test_missing_weight(density):
         "material": {"young_modulus": 1e6, "poisson_ratio": 0.3, "density": density},
     }
     scene = ancf.scene_from_dict({"rod": [rod], "moment": [{"value": [0, 0, 0.02], "direction": "follower"}]})
-    (found,) = advise(scene).missing
-    assert found.effect == "gravity"
+    found = missing(advise(scene), "gravity")
     plain = ancf.solve(scene)
-    columns = []
-    for axis in np.eye(3):
-        weighed = ancf.solve(replace(scene, gravity=Gravity(STANDARD_GRAVITY * axis)))
-        columns.append((weighed.nodes() - plain.nodes()) / 0.4)
-    true = float(np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2)).max())
-    check_verdict(found, true, 1e-3)
-    if true < SMALL:
+
+    def shift(direction):
+        weighed = ancf.solve(replace(scene, gravity=Gravity(STANDARD_GRAVITY * direction)))
+        assert weighed.status == "converged"
+        return (weighed.nodes() - plain.nodes()) / 0.4
+
+    if density < 1000.0:
+        columns = [shift(axis) for axis in np.eye(3)]
+        true = float(np.linalg.norm(np.stack(columns, axis=-1), 2, axis=(1, 2)).max())
+        assert true < SMALL or density == 20.0
         assert found.largest == pytest.approx(true, rel=0.1)
-    assert found.verdict == {1.0: CLOSE, 20.0: MATTERS, 1000.0: MATTERS}[density] or true < SMALL
+    else:
+        around = [np.array(d) for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]
+        sizes = [np.linalg.norm(shift(d / np.linalg.norm(d)), axis=1).max() for d in around]
+        true = max(sizes)
+        assert not found.first_order and true / 2.0 <= (found.largest or 0.0) <= 1.2 * true
+    check_verdict(found, true, 1e-3)
+    assert found.verdict == {1.0: CLOSE, 20.0: MATTERS, 1000.0: MATTERS}[density]
+    number = density * STANDARD_GRAVITY * 0.4**3 / (1e6 * 0.01**2 / 4)  # rho g A L^3/EI of a circle
+    assert found.number == pytest.approx(number)
 
 
-def test_no_density_no_estimate():
+def test_weight_without_a_density():
+    """Water's is taken, and said so."""
     rod = {"length": 0.4, "elements": 4, "section": {"shape": "circle", "radius": 0.01},
            "material": {"young_modulus": 1e6, "poisson_ratio": 0.3}}  # fmt: skip
-    (found,) = advise(ancf.scene_from_dict({"rod": [rod], "force": [{"value": [0, 0.01, 0]}]})).missing
-    assert found.verdict == "unknown" and found.largest is None and "density" in found.note
+    heavy = {**rod, "material": {**rod["material"], "density": 1000.0}}
+    force = [{"value": [0, 0.01, 0]}]
+    found, given = (
+        missing(advise(ancf.scene_from_dict({"rod": [one], "force": force})), "gravity")
+        for one in (rod, heavy)
+    )
+    assert (found.verdict, found.largest) == (MATTERS, given.largest)
+    assert "1000 kg/m3" in found.note and "density" in found.advice
+    assert "1000 kg/m3" not in given.note and "density" not in given.advice
 
 
 def test_numbers_of_a_rod():

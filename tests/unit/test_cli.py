@@ -122,14 +122,17 @@ def test_check_lists_what_would_be_simulated(bent: Path, capsys: pytest.CaptureF
         "equilibrium",
     )
     assert [(i["effect"], i["verdict"]) for i in advice["listed"]] == [("moment", "matters")]
-    assert [i["effect"] for i in advice["missing"]] == ["gravity"]
+    assert [i["effect"] for i in advice["missing"]] == ["gravity", "contact with itself"]
+    assert [i["effect"] for i in advice["choices"]] == ["moment direction", "law", "mesh", "sections"]
     assert main(["check", str(bent)]) == 0
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "effects:    elastic, moment" in captured.err
     assert "reduction:  planar: rods and loads stay in the plane" in captured.err
-    assert "advice:     at 0.001 of the length (default" in captured.err
-    assert "moment: moves the tip by" in captured.err and "gravity, not listed" in captured.err
+    assert "advice at 0.001 of the length (default" in captured.err
+    rows = {line.split("  ")[2]: line for line in captured.err.splitlines() if line.startswith("    ")}
+    assert "yes" in rows["moment"] and rows["moment"].endswith("needed")
+    assert "would matter: list [gravity] and give the density" in rows["gravity"]
 
 
 def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -156,7 +159,7 @@ def test_check_names_law_element_and_known_limits(tmp_path: Path, capsys: pytest
         ] * len(factors)
         assert main(["check", str(scene)]) == 0
         shown = capsys.readouterr().err
-        assert f"2 x {element} continuum" in shown and "neo-hookean: young_modulus = 1000000.0" in shown
+        assert f"2 x {element} continuum" in shown and "neo-hookean: young_modulus = 1e+06" in shown
         assert ("warning:" in shown) == bool(factors)
 
 
