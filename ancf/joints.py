@@ -229,4 +229,4 @@ class JointModel(Constraint):
         X, Y = self.x @ rotations[0].R.T, self.y @ self._other(rotations, load_factor).T
         m_i = np.einsum("it,itj->ij", self.w, np.cross(X, Y))
         force, mu = self._multipliers(x)
-        return -force, -mu @ m_i
+        return -force + 0.0, -mu @ m_i  # no negative zeros

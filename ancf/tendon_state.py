@@ -52,3 +52,15 @@ def tendon_states(model: Model, q: Floats, load_factor: float) -> list[TendonSta
             left = tension * effect.end_share(e)
             found.append(TendonState(tendon, tension, effect.length(e), None, left))
     return found
+
+
+def held_cable_warnings(model: Model, q: Floats) -> list[str]:
+    """A sentence for each tendon with friction that pulls at q (n,) though its cable is not taken in."""
+    controlled = [] if model.constraints is None else model.constraints.tendons
+    return [
+        f"rod {one.tendon.rod!r}: a tendon rubs and pulls at length = {one.tendon.length:.6g} m, no less"
+        f" than the {one.l_0:.6g} m of its path in the reference: friction is that of a cable that slides"
+        " to the first point of its path, and one that is held or let out has less tension there"
+        for one in controlled
+        if one.tendon.friction and one.change >= 0.0 and one.tension(q) > 0.0
+    ]

@@ -69,6 +69,10 @@ def validity_warnings(solution: Solution) -> list[str]:
             f"rounding leaves a residual of {solution.residual:.2g} E I/L^2 (above {LARGEST_FLOOR:g}): "
             + cause
         )
+    if any(tendon.friction for tendon in solution.scene.controlled_tendons):
+        from ancf.tendon_state import held_cable_warnings
+
+        found += held_cable_warnings(solution.model, solution.q)
     for rod in solution.model.rods:
         strains = [_strain(solution, rod, part) for part in range(len(rod.rod.parts))]
         texts = [

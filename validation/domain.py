@@ -64,7 +64,7 @@ def outside(domain: Iterable[Mapping[str, Any]], scene: Scene, solution: Solutio
     known = regimes(solution) if solution is not None else [regime_of(rod, scene) for rod in scene.rods]
     reasons = [] if solution is None else _unfit(solution)
     if scene.joints:
-        reasons.append("the rods are joined, and no case that passed has joints")
+        reasons.append("the rods are joined or moved, and the domain is that of rods on supports")
     for rod, here in zip(scene.rods, known, strict=True):
         if not here["known"]:
             reasons.append(f"rod {rod.name!r}: how hard these loads bend it is known only once it is solved")

@@ -45,6 +45,17 @@ def effects(draw: st.DrawFn, rod: str) -> dict[str, list[dict[str, Any]]]:
             "tension": draw(share) * EI / (L * R),
             "path": [[0.0, 0.6 * R, 0.0], [0.55, 0.0, -0.5 * R], [1.0, -0.2 * R, 0.6 * R]],
         },
+        "spring": lambda: {
+            "at": draw(places),
+            "offset": offset,
+            "stiffness": [0.0, draw(share) * EI / L**3, 0.0],
+            "rotational_stiffness": [draw(share) * EI / L for _ in range(3)],
+        },
+        "foundation": lambda: {
+            "rotational_stiffness": [draw(share) * EI / L**2 for _ in range(3)],
+            "frame": "section",
+            "from": 0.2,
+        },
         "pressure": lambda: {
             "value": (2.0 * draw(share) - 1.0) * 0.02 * E,
             "from": 0.1,

@@ -149,3 +149,24 @@ def test_bad_friction_is_refused(keys, hint):
     with pytest.raises(ancf.SceneError) as refused:
         ancf.scene_from_dict({"rod": [rod], "tendon": [tendon]})
     assert hint in str(refused.value) and "tendon[0]" in str(refused.value)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_kink_against_the_bend_is_not_cut_short(side):
+    """In a plane: the turns of the smooth runs and of the kinks add up, whatever way they go."""
+    bent = ancf.solve(scene(0.0, tension=0.0, moment=[{"value": [0.0, 0.0, EI / L]}]))
+    kinked = [[0.0, side * D, 0.0], [0.375, -side * D, 0.0], [0.7, side * D, 0.0], [1.0, side * D, 0.0]]
+    (effect,) = Model(scene(1.0, kinked)).effects
+    path = effect.capstan
+    e = bent.q[path.dofs].reshape(len(path.dofs), -1, 3)
+    first = np.flatnonzero(path.starts)
+    last = np.append(first[1:], len(path.a)) - 1
+    c = [
+        path.ends[piece, k] @ e[piece]
+        for pair in zip(first, last, strict=True)
+        for k, piece in enumerate(pair)
+    ]
+    turns = np.diff(np.unwrap(np.arctan2([v[1] for v in c], [v[0] for v in c])))
+    assert (turns[::2] > 0.2).all() and {*np.sign(turns[1::2])} == {1.0, -1.0}
+    assert np.abs(turns[1::2]).min() > 5e-3  # 2 D in a third of the length
+    assert effect.end_share(bent.q[effect.dofs]) == pytest.approx(np.exp(-np.abs(turns).sum()), rel=1e-9)

@@ -200,6 +200,20 @@ def test_forces_balance_and_a_state_resumes(tmp_path):
     np.testing.assert_allclose(again.q, solution.q, rtol=0, atol=1e-12)
 
 
+def test_a_cable_that_is_held_is_warned_about():
+    """A force bends the rod away from a cable that is not taken in: it pulls, and slides the other way."""
+    away, towards = ([{"value": [0.0, s * 0.5 * EI / L**2, 0.0]}] for s in (-1, 1))
+    held = ancf.solve(scene([tendon(length=L, friction=0.3)], force=away))
+    assert held.tendons[0].tension > 0.0
+    assert any("held or let out" in text for text in held.warnings)
+    for one, force in (
+        (tendon(length=L, friction=0.3), towards),  # slack
+        (tendon(length=0.999 * L, friction=0.3), away),  # taken in
+        (tendon(length=L), away),
+    ):
+        assert not any("let out" in text for text in ancf.solve(scene([one], force=force)).warnings)
+
+
 @pytest.mark.parametrize(
     ("friction", "hint"), [(-0.1, ">= 0"), (float("inf"), "friction"), ("2 N", "friction")]
 )
