@@ -112,14 +112,16 @@ def _law(state: State) -> Iterator[Influence]:
     tip = float(np.linalg.norm(moved + (0.0 if added is None else added), axis=1).max())
     strain = max(largest_strain(state.solution, rod) for rod in state.model.rods)
     other = law_name(other_law(state.scene.rods[0].parts[0].material))
-    rubber = "; rubber is nearer to neo-hookean" if name == "saint-venant-kirchhoff" else ""
+    matters = f"needed: {other} gives another shape"
+    if name == "saint-venant-kirchhoff":
+        matters = f"matters: {other} gives another shape, and is nearer to rubber"
     yield state.judged(
         "law",
         tip,
         max(tip, float(size.max())),
         True,
         f"{other} would give the same",
-        f"matters: {other} gives another shape{rubber}",
+        matters,
         listed=name,
         number=strain,
         measure="largest strain",
@@ -226,7 +228,7 @@ def _sections(state: State) -> Iterator[Influence]:
         largest[worst],
         True,
         f"{rod.element} is good enough against the solid",
-        f"too coarse a section: {cure}",
+        f"not good enough against the solid: {cure}",
         listed=f"{rod.element} {rod.formulation}",
         number=strain,
         measure="largest strain",
