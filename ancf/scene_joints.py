@@ -1,9 +1,9 @@
 r"""Reading of `[[joint]]` tables, and the refusal of mechanisms and of joints that hold twice.
 
-For small motions of rigid rods, t_i + w_i x r each, supports and joints are linear conditions. If they have
-less than six independent ones for each rod, the structure is a mechanism. Rods bend, so the sections of one
-rod move freely against each other: conditions that depend on each other at one place (a joint at a clamp, a
-ring of joints round a point) would leave the forces between them unknown.
+For small motions of rigid rods, t_i + w_i x r each, supports, joints, springs and beds are linear conditions.
+If they have less than six independent ones for each rod, the structure is a mechanism. Rods bend, so the
+sections of one rod move freely against each other: conditions that depend on each other at one place (a joint
+at a clamp, a ring of joints round a point) would leave the forces between them unknown.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ancf.mesh import reference_axis
 from ancf.rotation import hat
-from ancf.scene import SAME_PLACE, Joint, Place, Rod
+from ancf.scene import SAME_PLACE, Foundation, Joint, Place, Rod, Spring
 from ancf.scene_rods import read_direction
 from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, show
 from ancf.units import LENGTH, NUMBER
@@ -31,6 +31,7 @@ GROUND = "ground"
 COINCIDE = 1e-6
 # Singular value of the conditions, dimensionless, below which one of them says nothing new.
 INDEPENDENT = 1e-6
+BED_POINTS = 5  # at which a bed is looked at; three off one line hold a rod
 
 
 def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
@@ -44,13 +45,17 @@ def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
 
 
 def read_joints(
-    entries: Sequence[Table], rod_entries: Sequence[Table], rods: Sequence[Rod]
+    entries: Sequence[Table],
+    rod_entries: Sequence[Table],
+    rods: Sequence[Rod],
+    springs: Sequence[Spring] = (),
+    foundations: Sequence[Foundation] = (),
 ) -> tuple[Joint, ...]:
-    """Read the joints of a scene; what they leave movable or hold twice is refused."""
+    """Read the joints of a scene; what they hold twice, or leave movable without a spring, is refused."""
     joints = tuple(_read_joint(entry, rods) for entry in entries)
     if joints:
         _check_redundant(entries, joints, rods)
-        _check_mechanism(rod_entries, joints, rods)
+        _check_mechanism(rod_entries, joints, rods, [*springs, *foundations])
     return joints
 
 
@@ -236,8 +241,34 @@ def _same(a: Place, b: Place) -> bool:
     return a.rod == b.rod and abs(a.at - b.at) < SAME_PLACE
 
 
-def _check_mechanism(entries: Sequence[Table], joints: Sequence[Joint], rods: Sequence[Rod]) -> None:
-    """Refuse a structure that can move while no rod strains."""
+def _held_points(elastic: Spring | Foundation, rod: Rod) -> list[tuple[Floats, Floats]]:
+    """Points (3,) [m] that a spring or a bed holds in the reference, and the directions (k, 3) at each."""
+    ends = (elastic.at, elastic.at) if isinstance(elastic, Spring) else (elastic.start, elastic.end)
+    place = np.linspace(*ends, 1 if isinstance(elastic, Spring) else BED_POINTS)
+    axis, frames = reference_axis(place * rod.length, rod.curvature)
+    frames = rod.base.rotation @ frames
+    points = rod.base.position + axis @ rod.base.rotation.T
+    if isinstance(elastic, Foundation):
+        axes = frames if elastic.axes is None else np.broadcast_to(elastic.axes, frames.shape)
+        return [(r, A.T[elastic.stiffness > 0.0]) for r, A in zip(points, axes, strict=True)]
+    point = points[0] + frames[0][:, 1:] @ elastic.offset
+    if elastic.anchor is not None:
+        line = elastic.anchor - point
+        distance = float(np.linalg.norm(line))
+        free = distance if elastic.free_length is None else elastic.free_length
+        if free >= distance > 0.0 and elastic.stiffness[0, 0] > 0.0:
+            return [(point, line[None] / distance)]  # not pulled: it holds along its line only
+    stiffness, directions = np.linalg.eigh(elastic.stiffness)
+    return [(point, directions.T[stiffness > INDEPENDENT * stiffness.max()])]
+
+
+def _check_mechanism(
+    entries: Sequence[Table],
+    joints: Sequence[Joint],
+    rods: Sequence[Rod],
+    elastic: Sequence[Spring | Foundation],
+) -> None:
+    """Refuse a structure that can move while neither rod nor spring strains."""
     length = max(rod.length for rod in rods)
     first = {rod.name: 6 * index for index, rod in enumerate(rods)}
     size = 6 * len(rods)
@@ -251,6 +282,14 @@ def _check_mechanism(entries: Sequence[Table], joints: Sequence[Joint], rods: Se
             place = Place(rod.name, support.at)
             kind = "ball" if support.kind == "pin" else "rigid"
             rows.append(_rows(Joint(kind, place), [first[rod.name]], [arm(place)], size))
+    for spring in elastic:
+        rod = next(rod for rod in rods if rod.name == spring.rod)
+        for point, directions in _held_points(spring, rod):
+            held = np.zeros((len(directions), size))
+            column = first[rod.name]
+            held[:, column : column + 3] = directions
+            held[:, column + 3 : column + 6] = -directions @ hat((point - rod.base.position) / length)
+            rows.append(held)
     _, singular, motions = np.linalg.svd(np.vstack(rows))
     free = size - int(np.count_nonzero(singular > INDEPENDENT))
     if free:
@@ -259,7 +298,7 @@ def _check_mechanism(entries: Sequence[Table], joints: Sequence[Joint], rods: Se
         entries[index].refuse(
             "supports",
             "The structure is a mechanism.",
-            f"{free} of its motions strain no rod; rod {show(rods[index].name)} takes part most",
+            f"{free} of its motions strain neither rod nor spring; rod {show(rods[index].name)} moves most",
             "a rod that a joint holds has no default clamp, and hinges and balls leave rotations free",
-            'clamp a rod, for example supports = [{ at = 0.0 }], or make joints "rigid"',
+            'clamp a rod, for example supports = [{ at = 0.0 }], make joints "rigid", or add a [[spring]]',
         )
