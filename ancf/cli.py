@@ -6,9 +6,11 @@ Subcommands are entry points of the group ``ancf.commands`` and are imported onl
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any
 
@@ -126,11 +128,17 @@ def main(args: Sequence[str] | None = None) -> int:
     args : arguments without the program's name; None takes those of the process
     """
     arguments = list(sys.argv[1:] if args is None else args)
+    said = io.StringIO()  # written at the end, and here: a stream that fails is then no fault of a command
+    with redirect_stdout(said):
+        code = _run(arguments)
+    return _write(said.getvalue()) or code
+
+
+def _run(arguments: list[str]) -> int:
+    """Run a command and return its exit code; refusals are messages on standard error."""
     try:
         code = typer.main.get_command(app).main(args=arguments, prog_name="ancf", standalone_mode=False)
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader, `head` say, has gone; nothing more can or need be said to it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except SystemExit:  # how typer and rich leave when the reader of standard error has gone
         return PIPE_CLOSED
     except InputError as error:
         return _refused(error.message)
@@ -144,6 +152,32 @@ def main(args: Sequence[str] | None = None) -> int:
             raise
         return _refused(_usage_message(error, arguments))
     return code if isinstance(code, int) and not isinstance(code, bool) else DONE
+
+
+def _write(text: str) -> int:
+    """Write to standard output; 0, or the exit code where that fails."""
+    if not text:
+        return DONE
+    try:
+        if sys.stdout is None:
+            raise OSError("it is closed")
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except OSError as error:
+        if sys.stdout is not None:  # what is left in its buffer would fail once more when Python ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return PIPE_CLOSED  # the reader, `head` say, has gone; nothing more can or need be said to it
+        return _refused(
+            Message(
+                "The standard output cannot be written.",
+                "standard output",
+                str(error),
+                "a full disk, or a stream that the caller has closed",
+                "send it to a place with room, or write files with --out",
+            )
+        )
+    return DONE
 
 
 def _installed() -> dict[str, EntryPoint]:

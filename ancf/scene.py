@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.elements import ELEMENTS
+from ancf.errors import refuse
 from ancf.hyperelastic import Law
 from ancf.scene_effects import (
     EFFECT_MODULES,
@@ -141,6 +142,17 @@ class Rod:
         fractions = starts(self.parts) / self.length
         fractions[-1] = 1.0
         return fractions
+
+    def check_place(self, at: float) -> None:
+        """Refuse what is no fraction of the length; raises `InputError`."""
+        if not 0.0 <= at <= 1.0:
+            refuse(
+                "There is no such place on the rod.",
+                f"rod {self.name!r}, at = {at:g}",
+                "0 <= at <= 1",
+                "a length instead of a fraction of it",
+                "divide by the length",
+            )
 
     def part_at(self, at: float) -> int:
         """Which part the section at a fraction of the length belongs to: at a joint the larger of the two.

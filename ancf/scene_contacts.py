@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ancf.obstacles import Cylinder, Obstacle, Plane, Sphere
 from ancf.scene import Contact, Rod, Scene
 from ancf.scene_rods import read_direction
-from ancf.scene_table import REQUIRED, Limit, Table
+from ancf.scene_table import REQUIRED, SIGNED, Limit, Table
 from ancf.sections import Annulus, Circle
 from ancf.units import LENGTH, NUMBER
 
@@ -47,11 +47,17 @@ def _read_obstacle(table: Table) -> Obstacle:
     shape = table.word("shape", tuple(SHAPES))
     table.expect_keys(("shape", *SHAPES[shape]))
     if shape == "plane":
-        return Plane(table.vector("point", 3, LENGTH), read_direction(table, "normal", REQUIRED))
+        return Plane(
+            table.vector("point", 3, LENGTH, limit=SIGNED), read_direction(table, "normal", REQUIRED)
+        )
     if shape == "sphere":
-        return Sphere(table.vector("centre", 3, LENGTH), table.number("radius", LENGTH, limit=RADIUS))
+        return Sphere(
+            table.vector("centre", 3, LENGTH, limit=SIGNED), table.number("radius", LENGTH, limit=RADIUS)
+        )
     radius = table.number("radius", LENGTH, limit=RADIUS)
-    return Cylinder(table.vector("point", 3, LENGTH), read_direction(table, "axis", REQUIRED), radius)
+    return Cylinder(
+        table.vector("point", 3, LENGTH, limit=SIGNED), read_direction(table, "axis", REQUIRED), radius
+    )
 
 
 def _check_round(table: Table, rod: Rod) -> None:

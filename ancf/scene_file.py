@@ -123,6 +123,8 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
     meshed = solver.accuracy is None
     rods = tuple(read_rod(entry, index, joined, meshed, moved) for index, entry in enumerate(entries))
     _check_names(entries, rods)
+    springs = tuple(read_spring(entry, rods) for entry in table.tables("spring"))
+    foundations = tuple(read_foundation(entry, rods) for entry in table.tables("foundation"))
     scene = Scene(
         rods=rods,
         moments=tuple(read_moment(entry, rods) for entry in table.tables("moment")),
@@ -133,11 +135,13 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
         gravity=read_gravity(table.table("gravity"), rods, where) if "gravity" in table.data else None,
         tendons=tuple(read_tendon(entry, rods) for entry in table.tables("tendon")),
         pressures=tuple(read_pressure(entry, rods) for entry in table.tables("pressure")),
-        springs=tuple(read_spring(entry, rods) for entry in table.tables("spring")),
-        foundations=tuple(read_foundation(entry, rods) for entry in table.tables("foundation")),
+        springs=springs,
+        foundations=foundations,
         contacts=read_contacts(table, rods),
         added=read_added(table, brought, rods),
-        joints=read_joints(table.tables("joint"), table.tables("motion"), entries, rods),
+        joints=read_joints(
+            table.tables("joint"), table.tables("motion"), entries, rods, [*springs, *foundations]
+        ),
         solver=solver,
         stability=read_stability(table.table("stability")) if "stability" in table.data else None,
         title=table.text("title", ""),

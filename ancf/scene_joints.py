@@ -1,12 +1,4 @@
-r"""Reading of `[[joint]]` tables, and the refusal of mechanisms and of joints that hold twice.
-
-A `[[motion]]` (scene_motions.py) is a joint with the ground.
-
-For small motions of rigid rods, t_i + w_i x r each, supports and joints are linear conditions. If they have
-less than six independent ones for each rod, the structure is a mechanism. Rods bend, so the sections of one
-rod move freely against each other: conditions that depend on each other at one place (a joint at a clamp, a
-ring of joints round a point) would leave the forces between them unknown.
-"""
+"""Reading of `[[joint]]` tables; a `[[motion]]` (scene_motions.py) is a joint with the ground."""
 
 from __future__ import annotations
 
@@ -16,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ancf.mesh import reference_axis
-from ancf.rotation import hat
-from ancf.scene import SAME_PLACE, Joint, Place, Rod
+from ancf.scene import SAME_PLACE, Foundation, Joint, Place, Rod, Spring
+from ancf.scene_mechanism import check_mechanism, check_redundant, position, rod_of
 from ancf.scene_motions import read_motion
 from ancf.scene_rods import read_direction
 from ancf.scene_table import FRACTION, REQUIRED, SIGNED, Table, show
@@ -32,8 +23,6 @@ REFERENCES = ("together", "apart")
 GROUND = "ground"
 # Of the longer rod: places that should be one differ by the rounding of what was written.
 COINCIDE = 1e-6
-# Singular value of the conditions, dimensionless, below which one of them says nothing new.
-INDEPENDENT = 1e-6
 
 
 def joined_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
@@ -55,16 +44,20 @@ def moved_rods(data: Mapping[Any, Any], names: Sequence[str]) -> set[str]:
 
 
 def read_joints(
-    entries: Sequence[Table], motions: Sequence[Table], rod_entries: Sequence[Table], rods: Sequence[Rod]
+    entries: Sequence[Table],
+    motions: Sequence[Table],
+    rod_entries: Sequence[Table],
+    rods: Sequence[Rod],
+    elastic: Sequence[Spring | Foundation],
 ) -> tuple[Joint, ...]:
-    """Read the joints and motions of a scene; what they leave movable or hold twice is refused."""
+    """Read joints and motions; what they hold twice, or leave movable without an elastic hold, is refused."""
     joints = (
         *(_read_joint(entry, rods) for entry in entries),
         *(read_motion(entry, rods) for entry in motions),
     )
     if joints:
-        _check_redundant([*entries, *motions], joints, rods)
-        _check_mechanism(rod_entries, joints, rods)
+        check_redundant([*entries, *motions], joints, rods)
+        check_mechanism(rod_entries, joints, rods, elastic)
     return joints
 
 
@@ -138,17 +131,6 @@ def _read_end(table: Table, key: str, rods: Sequence[Rod]) -> Place | None:
     return Place(name, end.number("at", NUMBER, limit=FRACTION))
 
 
-def _rod_of(place: Place, rods: Sequence[Rod]) -> Rod:
-    return next(rod for rod in rods if rod.name == place.rod)
-
-
-def _position(place: Place, rods: Sequence[Rod]) -> Floats:
-    """Position (3,) [m] of a section in the reference, in SCS."""
-    rod = _rod_of(place, rods)
-    position, _ = reference_axis(np.array([place.at * rod.length]), rod.curvature)
-    return rod.base.position + rod.base.rotation @ position[0]
-
-
 def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod], may_be_apart: bool) -> None:
     """Refuse a joint of two places apart, unless they may be, and of a section with itself."""
     if a.rod == b.rod and abs(a.at - b.at) < SAME_PLACE:
@@ -159,8 +141,8 @@ def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod], may_b
             "a copied line, or another rod was meant",
             'name another rod or place, or b = "ground"',
         )
-    apart = float(np.linalg.norm(_position(a, rods) - _position(b, rods)))
-    length = max(_rod_of(place, rods).length for place in (a, b))
+    apart = float(np.linalg.norm(position(a, rods) - position(b, rods)))
+    length = max(rod_of(place, rods).length for place in (a, b))
     if not (may_be_apart or apart <= COINCIDE * length):
         table.refuse(
             "b",
@@ -168,86 +150,4 @@ def _check_together(table: Table, a: Place, b: Place, rods: Sequence[Rod], may_b
             f"{apart:.3g} m, must be <= {COINCIDE:g} of the longer rod, {COINCIDE * length:.3g} m",
             "base, length or curvature of a rod does not bring it there, or `at` counts from the other end",
             'move a rod\'s base.position, or write reference = "apart": the load factor then closes the gap',
-        )
-
-
-def _turns_held(joint: Joint) -> Floats:
-    """Rows (k, 3) of the rotations that a joint holds."""
-    if joint.kind == "rigid":
-        return np.eye(3)
-    return {"hinge": joint.across, "twist": joint.axis[None]}.get(joint.kind, np.empty((0, 3)))
-
-
-def _rows(joint: Joint, columns: Sequence[int], arms: Sequence[Floats], size: int) -> Floats:
-    """Conditions (k, size) of a joint on motions (t, w) that begin at `columns`; arms (3,) to the joint."""
-    along, turns = joint.along, _turns_held(joint)
-    count = len(along)
-    rows = np.zeros((count + len(turns), size))
-    for sign, column, arm in zip((1.0, -1.0), columns, arms, strict=False):
-        rows[:count, column : column + 3] += sign * along
-        rows[:count, column + 3 : column + 6] -= sign * along @ hat(arm)
-        rows[count:, column + 3 : column + 6] += sign * turns
-    return rows
-
-
-def _check_redundant(entries: Sequence[Table], joints: Sequence[Joint], rods: Sequence[Rod]) -> None:
-    """Refuse the first joint whose conditions are not independent of the supports and joints before it."""
-    places: list[Place] = []
-    for joint in joints:
-        for place in joint.places:
-            if not any(_same(place, other) for other in places):
-                places.append(place)
-    size = 6 * len(places)
-    free = np.ones(size)
-    for index, place in enumerate(places):
-        for support in _rod_of(place, rods).supports:
-            if abs(support.at - place.at) < SAME_PLACE:
-                free[6 * index : 6 * index + (3 if support.kind == "pin" else 6)] = 0.0
-    rows = np.empty((0, size))
-    for entry, joint in zip(entries, joints, strict=True):
-        columns = [6 * next(i for i, p in enumerate(places) if _same(p, place)) for place in joint.places]
-        rows = np.vstack([rows, _rows(joint, columns, [np.zeros(3)] * 2, size) * free])
-        if np.linalg.matrix_rank(rows, tol=INDEPENDENT) < len(rows):
-            held = ", ".join(f"rod {show(place.rod)} at {place.at:g}" for place in joint.places)
-            entry.refuse(
-                "",
-                "The joint holds what is held already.",
-                f"{held}: {len(rows) - np.linalg.matrix_rank(rows, tol=INDEPENDENT)} of its conditions say"
-                " nothing new",
-                "a support or other joints hold these sections against each other, so the forces would be"
-                " unknown",
-                "remove the joint, or the support there",
-            )
-
-
-def _same(a: Place, b: Place) -> bool:
-    return a.rod == b.rod and abs(a.at - b.at) < SAME_PLACE
-
-
-def _check_mechanism(entries: Sequence[Table], joints: Sequence[Joint], rods: Sequence[Rod]) -> None:
-    """Refuse a structure that can move while no rod strains."""
-    length = max(rod.length for rod in rods)
-    first = {rod.name: 6 * index for index, rod in enumerate(rods)}
-    size = 6 * len(rods)
-
-    def arm(place: Place) -> Floats:
-        return (_position(place, rods) - _rod_of(place, rods).base.position) / length
-
-    rows = [_rows(j, [first[p.rod] for p in j.places], [arm(p) for p in j.places], size) for j in joints]
-    for rod in rods:
-        for support in rod.supports:
-            place = Place(rod.name, support.at)
-            kind = "ball" if support.kind == "pin" else "rigid"
-            rows.append(_rows(Joint(kind, place), [first[rod.name]], [arm(place)], size))
-    _, singular, motions = np.linalg.svd(np.vstack(rows))
-    free = size - int(np.count_nonzero(singular > INDEPENDENT))
-    if free:
-        share = np.sum(motions[size - free :].reshape(free, len(rods), 6) ** 2, axis=(0, 2))
-        index = int(np.argmax(share))
-        entries[index].refuse(
-            "supports",
-            "The structure is a mechanism.",
-            f"{free} of its motions strain no rod; rod {show(rods[index].name)} takes part most",
-            "a rod that a joint holds has no default clamp, and hinges and balls leave rotations free",
-            'clamp a rod, for example supports = [{ at = 0.0 }], or make joints "rigid"',
         )

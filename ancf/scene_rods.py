@@ -158,7 +158,7 @@ def _shear_factors(table: Table, element: str, formulation: str) -> tuple[float,
 def _base(table: Table) -> Frame:
     """Read the base: BCS axes normalised, y made orthogonal to x, z = x cross y (paper eq. 2-3)."""
     table.expect_keys(("position", "x_axis", "y_axis"))
-    position = table.vector("position", 3, LENGTH, (0.0, 0.0, 0.0))
+    position = table.vector("position", 3, LENGTH, (0.0, 0.0, 0.0), SIGNED)
     x_axis = read_direction(table, "x_axis", (1.0, 0.0, 0.0))
     y_axis = read_direction(table, "y_axis", (0.0, 1.0, 0.0))
     y_axis = y_axis - (y_axis @ x_axis) * x_axis

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ancf.scene import SAME_PLACE, Foundation, Rod, Spring
 from ancf.scene_cable import refuse_on_cable
-from ancf.scene_table import FRACTION, Limit, Table
+from ancf.scene_table import FRACTION, SIGNED, Limit, Table
 from ancf.units import LENGTH, NUMBER, ROTATIONAL_BED, ROTATIONAL_STIFFNESS, STIFFNESS, STRESS, Dimension
 
 NOT_NEGATIVE = Limit(lambda v: v >= 0.0, ">= 0")
@@ -52,7 +52,8 @@ def read_spring(table: Table, rods: Sequence[Rod]) -> Spring:
         k = table.number("stiffness", STIFFNESS, limit=NOT_NEGATIVE)
         why = "it acts along its line, whatever the axes, and has no lever"
         _refuse_keys(table, ("frame", "rotational_stiffness"), "to an anchor", why)
-        return Spring(rod.name, at, k * np.eye(3), offset, table.vector("anchor", 3, LENGTH), free)
+        anchor = table.vector("anchor", 3, LENGTH, limit=SIGNED)
+        return Spring(rod.name, at, k * np.eye(3), offset, anchor, free)
     _refuse_keys(table, ("anchor", "free_length"), "to the reference", "it is free of force there")
     axes = _axes(table, rod, ("structure", "body"))
     assert axes is not None

@@ -140,13 +140,7 @@ def cauchy_stress(rod: RodModel, q: Floats, y: Floats, z: Floats, part: int = 0)
 
 def check_places(rod: Rod, at: float, y: Floats, z: Floats) -> None:
     """Refuse places off the rod: stress there would be extrapolated. Raises InputError."""
-    if not 0.0 <= at <= 1.0:
-        raise InputError(
-            Message(
-                "There is no stress off the rod.", f"rod {rod.name!r}, at = {at:g}", "0 <= at <= 1",
-                "a length instead of a fraction of it", "divide by the length",
-            )
-        )  # fmt: skip
+    rod.check_place(at)
     section = rod.section_at(at)
     lost = [i for i in range(len(y)) if not section.contains(y[i], z[i], 1e-6)]
     if lost:

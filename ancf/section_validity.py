@@ -15,6 +15,7 @@ from ancf.sections import Annulus, Circle, Ellipse, Rectangle, Section
 
 if TYPE_CHECKING:
     from ancf.rod_model import RodModel
+    from ancf.scene import Pressure
     from ancf.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -33,6 +34,8 @@ ANTICLASTIC = 31.0
 # 3363 curves across as a parabola; beyond this w^2 kappa/h the curvature sits at the edges and 3363 is too
 # soft by 1 to 2 %, at twice it by up to 4 % (same comparison).
 PARABOLA_LIMIT = 10.0
+# What a linear section adds to the couple of a chamber, of p A_c times the outer radius; `chamber_warnings`.
+WALL_LIMIT = 0.01
 # Torsion in a section moment that is worth a warning where the section's torsion stiffness is not exact.
 TORSION_SHARE = 1e-3
 
@@ -78,6 +81,31 @@ def section_warnings(solution: Solution, rod: RodModel, strains: list[Floats]) -
     yield from _torsion(rod, places)
     yield from _flattening(rod, places)
     yield from _anticlastic(rod, places)
+
+
+def chamber_warnings(rod: RodModel, chamber: Pressure) -> Iterator[str]:
+    """A chamber off the axis, whose wall a linear section does not feel in bending.
+
+    Bending by kappa, a uniaxial stress E kappa y, changes a chamber at the distance e from the axis by the
+    volume A_c kappa e (1 - 2 nu) per length; by Betti's theorem its pressure is worth the couple
+    p A_c e (1 - 2 nu).
+    The lateral strain of a linear section does not vary with y and leaves p A_c e.
+    """
+    if rod.element.quadratic_section:
+        return
+    ends = rod.rod.ends
+    reached = [
+        part for part, first, last in zip(rod.rod.parts, ends[:-1], ends[1:], strict=True)
+        if first < chamber.end and last > chamber.start
+    ]  # fmt: skip
+    nu = max((part.material.poisson_ratio for part in reached), key=abs)
+    offset = float(np.hypot(*chamber.centre))
+    if 2.0 * abs(nu) * offset > WALL_LIMIT * max(part.section.outer_radius for part in reached):
+        yield (
+            f"known limit: a chamber {offset:.3g} m off the axis bends {rod.element.name} by p A_c e, as if "
+            f"fibres held its wall; a bare wall of nu = {nu:.3g} pushes back and leaves 1 - 2 nu = "
+            f"{1.0 - 2.0 * nu:.3g} of that; use 3363 for a chamber without fibres"
+        )
 
 
 def _section(rod: RodModel, strains: list[Floats]) -> Iterator[str]:

@@ -147,8 +147,10 @@ class Solution:
         """Pose of the section at a fraction of the reference length; the first rod if `name` is None.
 
         A cable has no section: r_y, r_z and rotation are those of the transported frame (axis_frames.py).
+        Raises `InputError` where `at` is not within 0 to 1.
         """
         rod = self._rod(name)
+        rod.rod.check_place(at)
         point = rod.section_point(at)
         e = self.q[point.dofs].reshape(-1, 3)
         d = point.N @ e
@@ -385,6 +387,7 @@ def _material_points(rod: RodModel, nodal: Floats, at: ArrayLike, y: ArrayLike, 
     at, y, z = np.broadcast_arrays(np.asarray(at, float), np.asarray(y, float), np.asarray(z, float))
     points = np.empty((*at.shape, 3))
     for fraction in np.unique(at):
+        rod.rod.check_place(float(fraction))
         here = at == fraction
         point = rod.section_point(float(fraction))
         first = point.dofs - rod.first_dof

@@ -15,7 +15,7 @@ from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
 from ancf.scene_rod_checks import LARGEST_FLOOR
 from ancf.section_stress import part_skin, section_strain, tensor
-from ancf.section_validity import section_warnings
+from ancf.section_validity import chamber_warnings, section_warnings
 from ancf.sections import Section
 from ancf.segments import STEEP
 
@@ -48,7 +48,11 @@ OUTLINE_POINTS = 16
 
 def scene_warnings(model: Model) -> list[str]:
     """Limits of a scene that are known before it is solved, one sentence each."""
-    return [f"rod {rod.rod.name!r}: {text}" for rod in model.rods for text in _discretisation(rod)]
+    found = [f"rod {rod.rod.name!r}: {text}" for rod in model.rods for text in _discretisation(rod)]
+    rods = {rod.rod.name: rod for rod in model.rods}
+    for chamber in model.scene.pressures:
+        found += [f"rod {chamber.rod!r}: {text}" for text in chamber_warnings(rods[chamber.rod], chamber)]
+    return found
 
 
 def validity_warnings(solution: Solution) -> list[str]:

@@ -118,10 +118,12 @@ def _show(record: dict[str, Any]) -> None:
             f" {answer['rotation_mismatch']:.2e} rad; {answer['steps']} steps, {answer['solves']} solves"
         )
     if record["error_radius"] is not None:
+        from surrogate.conformal import radius_text
+
         radius = record["error_radius"]
         console.print(
-            f"the model alone is within {radius['position']:.2g} m and {radius['moment']:.2g} N m in"
-            f" {100 * radius['level']:g} of 100 cases; certificate: {record['certificate']}"
+            f"error radius of the model alone in {100 * radius['level']:g} of 100 cases:"
+            f" {radius_text(radius)}; certificate: {record['certificate']}"
         )
     for warning in record["warnings"]:
         console.print(f"warning: {warning}; nor does the radius hold off that design")

@@ -10,6 +10,7 @@ Source: Vovk, Gammerman, Shafer, Algorithmic Learning in a Random World (2005); 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -33,9 +34,17 @@ class ErrorRadius:
     position: float  # m, of the tip in closed loop
     moment: float  # N m, Euclidean norm
 
-    def as_dict(self) -> dict[str, float]:
-        """Plain data for JSON."""
-        return asdict(self)
+    def as_dict(self) -> dict[str, float | None]:
+        """Plain data for JSON; a radius without bound is None."""
+        return {key: value if math.isfinite(value) else None for key, value in asdict(self).items()}
+
+
+def radius_text(radius: Mapping[str, float | None]) -> str:
+    """The two radii of `ErrorRadius.as_dict` in words."""
+    position, moment = radius["position"], radius["moment"]
+    if position is None or moment is None:
+        return f"unknown from {radius['rows']} rows: too few, or too many without an equilibrium"
+    return f"{position:.3g} m of the tip, {moment:.3g} N m"
 
 
 def conformal_radius(errors: Floats, level: float = LEVEL) -> float:

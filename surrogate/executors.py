@@ -48,10 +48,12 @@ class Cluster(Executor):
 
     def __init__(self, address: str) -> None:
         from distributed import Client  # pyright: ignore[reportMissingImports]
+        from distributed.comm.addressing import get_address_host_port  # pyright: ignore[reportMissingImports]
 
         self.address = address
         _hush()
         try:
+            get_address_host_port(address)  # a client of no address is left half made, and cries at its end
             self.client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             self._refuse(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from surrogate.conformal import radius_text
+
 KIND_TEXT = {
     "equivariant": "closed form of the thin arm plus a residual network with the arm's symmetry built in",
     "cnn": "the paper's CNN (fig. 6): convolution, pooling, dense layers on the 3 x 4 image of the pose",
@@ -53,8 +55,8 @@ def model_card(record: Mapping[str, Any]) -> str:
     lines += [
         "",
         f"Error radius at {100 * radius['level']:g} % (split conformal, {radius['rows']} rows):"
-        f" {radius['position']:.3g} m of the tip, {radius['moment']:.3g} N m. It holds for poses of the"
-        " design of the data, not for disturbed or other ones.",
+        f" {radius_text(radius)}. It holds for poses of the design of the data, not for disturbed or other"
+        " ones.",
     ]
     if record.get("leak"):
         lines += ["", f"WARNING: {record['leak']}. The error radius, too, is that of the training design."]

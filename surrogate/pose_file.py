@@ -34,7 +34,10 @@ def load_poses(path: Path) -> Floats:
         elif path.suffix == ".json":
             values = _of_json(json.loads(path.read_text()))
         else:
-            values = np.loadtxt(path, delimiter="," if "," in path.read_text() else None, ndmin=2)
+            text = path.read_text()
+            if not text.strip():
+                _refuse(path, "it is empty")
+            values = np.loadtxt(text.splitlines(), delimiter="," if "," in text else None, ndmin=2)
         values = np.asarray(values, dtype=float)
     except (OSError, ValueError, TypeError, KeyError, EOFError) as error:
         _refuse(path, str(error))

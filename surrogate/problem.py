@@ -95,7 +95,7 @@ def problem_of(data: DataSet) -> Problem:
     if short:
         raise InputError(
             Message(
-                f"The data have no rows for {' and '.join(short)}.",
+                f"The data have too few rows for {' and '.join(short)}.",
                 "split of the data set",
                 ", ".join(f"{name} {len(part)}" for name, part in parts.items()),
                 "a very small design, or rows without equilibrium",

@@ -12,8 +12,10 @@ constant A_lmn of an element, and with u_lm = sum_n A_lmn e_n
 where u_lm = -u_ml: pairs l < m tell all.
 
 The pressure follows the walls and the end caps, and has a potential because the chamber is closed. A chamber
-off the axis bends the rod by p A_c times its offset; the thrust on its end caps stretches it. The chamber is
-part of the section as far as stiffness goes: give the section that carries (an annulus round a bore).
+off the axis bends the rod by p A_c times its offset, less 2 nu of that where the section feels its wall
+(3363; linear sections bend as if fibres held it: section_validity.py); the thrust on its end caps stretches
+it. The chamber is part of the section as far as stiffness goes: give the section that carries (an annulus
+round a bore).
 """
 
 from __future__ import annotations

@@ -303,6 +303,31 @@ def test_program_refuses_without_traceback(tmp_path: Path):
     assert "it is a directory" in ended.stderr
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_full_standard_output_is_no_traceback(bent: Path):
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "ancf.cli", "solve", str(bent), "--json"]
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, env=environment
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith("The standard output cannot be written.")
+    assert "Traceback" not in done.stderr
+
+
+def test_reader_that_leaves_early_is_no_error_of_ours(tmp_path: Path):
+    long = tmp_path / "long.toml"  # more text than one buffer holds
+    long.write_text(ROD.format(elements=60) + MOMENT)
+    command = [sys.executable, "-m", "ancf.cli", "solve", str(long), "--json"]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert done.stdout is not None and done.stderr is not None
+    done.stdout.close()
+    said = done.stderr.read()
+    assert (done.wait(60), said) == (cli.PIPE_CLOSED, "")
+    done.stderr.close()
+
+
 def test_help_loads_nothing_heavy():
     code = (
         "import sys, ancf\nfrom ancf.cli import main\n"

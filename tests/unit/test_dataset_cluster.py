@@ -150,3 +150,16 @@ def test_a_scheduler_without_workers_and_one_that_is_gone(cluster, tmp_path, cap
     assert told.startswith("The scheduler does not answer.") and f"--scheduler {cluster.address}" in told
     assert "Traceback" not in told
     assert main([*command[:-1], "nonsense://"]) == 2
+
+
+@pytest.mark.parametrize("address", ["nonsense", "foo://host:1", "tcp://host:port"])
+def test_an_address_that_is_none_leaves_no_client_behind(address, tmp_path):
+    """In a process of its own: what is half made cries when Python ends."""
+    command = [sys.executable, "-m", "ancf.cli", "dataset", "--out", str(tmp_path / "out")]
+    ended = subprocess.run(
+        [*command, "--allow-unvalidated", "--scheduler", address], capture_output=True, text=True, timeout=60,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert ended.returncode == 2 and not (tmp_path / "out").exists()
+    assert ended.stderr.startswith("The scheduler does not answer.")
+    assert "Traceback" not in ended.stderr

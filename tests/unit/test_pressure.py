@@ -57,6 +57,37 @@ def test_a_chamber_off_the_axis_bends_the_rod():
     assert turned.tip().position[2] == pytest.approx(solution.tip().position[1], rel=1e-9)
 
 
+@pytest.mark.parametrize("nu", [-0.2, 0.3, 0.45])
+def test_the_wall_of_a_bare_chamber_pushes_back(nu):
+    """kappa = p A_c e (1 - 2 nu)/(E I): the chamber gains A_c kappa e (1 - 2 nu) in bending (Betti).
+
+    A linear section has one lateral strain and bends by p A_c e, which it says.
+    """
+    p, e, a = 50.0, 0.005, 0.003
+    rod = {
+        "material": {"young_modulus": YOUNG, "poisson_ratio": nu},
+        "elements": 12,
+        "supports": [{"kind": "free_section_clamp"}],
+    }
+    slopes = {}
+    for element in ("3333", "3343", "3363"):
+        solution = ancf.solve(scene({**rod, "element": element}, **chamber(p, a, (e, 0.0))))
+        r_x = solution.pose(None, 2 / 3).r_x - solution.pose(None, 1 / 3).r_x  # away from the ends
+        slopes[element] = -r_x[1] / (p * np.pi * a**2 * e / EI * L / 3)
+        warned = [text for text in solution.warnings if "as if fibres held its wall" in text]
+        assert len(warned) == (element != "3363"), element
+        assert all(f"leaves 1 - 2 nu = {1 - 2 * nu:.3g} of that" in text for text in warned)
+    assert slopes["3333"] == pytest.approx(1.0, rel=2e-3)
+    assert slopes["3343"] == pytest.approx(1.0, rel=2e-3)
+    assert slopes["3363"] == pytest.approx(1.0 - 2.0 * nu, rel=1e-2)
+
+
+@pytest.mark.parametrize(("nu", "offset"), [(0.0, 0.005), (0.3, 0.0), (0.3, 1e-5)])
+def test_chambers_that_a_linear_section_bends_rightly_are_not_warned_about(nu, offset):
+    material = {"young_modulus": YOUNG, "poisson_ratio": nu}
+    assert not ancf.solve(scene({"material": material}, **chamber(50.0, 0.003, (offset, 0.0)))).warnings
+
+
 def test_part_of_the_rod():
     """Only the part with the chamber bends: the rest goes on straight, wherever elements end."""
     material = {"young_modulus": YOUNG, "poisson_ratio": 0.0}

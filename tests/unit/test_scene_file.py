@@ -266,6 +266,14 @@ REFUSED = [
     (rod(shear_factors=[1, 0]), "rod[0].shear_factors[1]", "out of range", "> 0"),
     (rod(shear_factors=[1]), "rod[0].shear_factors", "has 1 entries", "exactly 2"),
     (rod(shear_factors=[0.9, 1], formulation="continuum"), "rod[0].shear_factors", "enhanced formulation", "continuum"),
+    # places whose squares would overflow
+    (rod(base={"position": [1e300, 0, 0]}), "rod[0].base.position[0]", "out of range", "between -1e20 and 1e20"),
+    (scene(spring=[{"stiffness": 1, "to": "anchor", "anchor": [0, 1e200, 0]}]), "spring[0].anchor[1]", "out of range",
+     "between -1e20 and 1e20"),
+    *[(scene(contact=[{"with": {"shape": shape, key: [0, 0, -1e200], **rest}}]), f"contact[0].with.{key}[2]",
+       "out of range", "between -1e20 and 1e20")
+      for shape, key, rest in (("plane", "point", {"normal": [0, 0, 1]}), ("sphere", "centre", {"radius": 1}),
+                               ("cylinder", "point", {"axis": [1, 0, 0], "radius": 1}))],
     # section
     (section(radius=0.01), "rod[0].section.shape", "missing", "radius"),
     (section(shape="disc", radius=0.01), "rod[0].section.shape", "Unknown shape 'disc'", "circle"),

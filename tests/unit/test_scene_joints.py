@@ -23,6 +23,7 @@ def scene_of(*joints, **second):
 
 
 LINE = joint("rigid", ("arm", 1.0), ("finger", 0.0))
+HINGED = scene_of(joint("hinge", ("arm", 1.0), ("finger", 0.0), axis=[0, 0, 1]))
 REFUSED = [
     (scene_of(joint("glue")), "joint[0].kind", "Unknown kind 'glue'", "rigid"),
     (scene_of({"kind": "rigid", "a": {"rod": "arm", "at": 1}}), "joint[0].b", "missing", "only"),
@@ -41,6 +42,10 @@ REFUSED = [
     (scene_of(joint("ball", ("arm", 1.0), ("finger", 0.0))), "rod[1].supports", "mechanism", "3 of its motions"),
     (scene_of(joint("hinge", ("arm", 1.0), ("finger", 0.0), axis=[0, 1, 0])), "rod[1].supports", "mechanism", "1 of its motions"),
     (scene_of(joint("ball", ("arm", 1.0), ("finger", 0.0)), supports=[{"at": 1.0, "kind": "pin"}]), "rod[1].supports", "mechanism", "'finger'"),
+    ({**HINGED, "spring": [{"rod": "finger", "stiffness": 0}]}, "rod[1].supports", "mechanism", "1 of its motions strain neither rod nor spring"),
+    ({**HINGED, "spring": [{"rod": "finger", "stiffness": [1, 0, 1]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
+    ({**HINGED, "spring": [{"rod": "finger", "stiffness": 1, "anchor": [3, 0, 0]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
+    ({**HINGED, "foundation": [{"rod": "finger", "stiffness": [1, 0, 1]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
     ({"rod": [rod(elements=2, supports=[])], "joint": [joint(a=("arm", at)) for at in (0.0, 0.2, 0.4, 1.0)]}, "rod[0].elements", "fewer elements", "pieces = 3"),
     ({"rod": [rod(supports=[])]}, "rod[0].supports", "no support", "supports = []"),
 ]  # fmt: skip
@@ -53,6 +58,40 @@ def test_refusals_say_what_where_and_value(data, where, what, value):
     message = caught.value.message
     assert message.where.endswith(f": {where}"), message
     assert what in message.what and value in message.value, message
+
+
+@pytest.mark.parametrize(
+    "elastic",
+    [
+        {"spring": [{"rod": "finger", "stiffness": 1}]},
+        {"spring": [{"rod": "finger", "stiffness": [0, 1, 0], "at": 0.5}]},
+        {"spring": [{"rod": "finger", "stiffness": [1, 0, 0], "at": 0.0, "offset": [0.01, 0]}]},
+        {"spring": [{"rod": "finger", "stiffness": 1, "anchor": [2, 1, 0]}]},
+        {"spring": [{"rod": "finger", "stiffness": 1, "anchor": [3, 0, 0], "free_length": 0.5}]},
+        {"foundation": [{"rod": "finger", "stiffness": [0, 1, 0], "from": 0.8}]},
+        {"foundation": [{"rod": "finger", "stiffness": [0, 1, 0], "frame": "section"}]},
+    ],
+)
+def test_springs_and_beds_hold_what_a_hinge_leaves_free(elastic):
+    assert solved({**HINGED, **elastic, "force": [{"rod": "finger", "value": [0, -1e-6, 0]}]}).stable
+
+
+def test_a_rod_on_a_hinge_and_a_spring_turns_as_a_lever():
+    """Force F on the tip against a spring k to the reference: k L sin(t) = F cos(t), hence tan(t) = F/(k L).
+
+    The rod stays straight; the rest of force and spring, k L (1 - cos(t)) ..., compresses it by 1e-5.
+    """
+    k = 1e-2 * EI
+    solution = solved(
+        {
+            "rod": [rod(supports=[])],
+            "joint": [joint("hinge", ("arm", 0.0), "ground", axis=[0, 0, 1])],
+            "spring": [{"stiffness": k}],
+            "force": [{"value": [0, -k, 0]}],  # L = 1 m: 45 degrees
+        }
+    )
+    np.testing.assert_allclose(solution.tip().position, [math.sqrt(0.5), -math.sqrt(0.5), 0.0], atol=1e-5)
+    assert solution.stable
 
 
 def test_what_holds_is_accepted():

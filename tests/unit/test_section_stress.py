@@ -153,8 +153,8 @@ def test_pulled_rod_shows_true_stress():
 @pytest.mark.parametrize(
     ("at", "y", "z", "message"),
     [
-        (1.5, 0.0, 0.0, "no stress off the rod"),
-        (float("nan"), 0.0, 0.0, "no stress off the rod"),
+        (1.5, 0.0, 0.0, "no such place on the rod"),
+        (float("nan"), 0.0, 0.0, "no such place on the rod"),
         (0.5, 1.0, 0.0, "no stress outside the section"),
         (0.5, float("nan"), 0.0, "no stress outside the section"),
     ],

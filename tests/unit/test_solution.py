@@ -67,6 +67,15 @@ def test_rotation_and_gradients_of_a_rolled_rod(name):
     assert solution.strain_energy() == pytest.approx(EI * phi**2 / 2, rel=3e-2 if name == "3243" else 3e-3)
 
 
+@pytest.mark.parametrize("at", [-1e-3, 1.001, 2.0, float("nan")])
+def test_places_off_the_rod_have_no_pose(at):
+    solution = solved(Scene((rod(),)))
+    with pytest.raises(ancf.InputError, match="no such place on the rod"):
+        solution.pose("arm", at)
+    with pytest.raises(ancf.InputError, match="no such place on the rod"):
+        solution.displaced("arm", [0.5, at], 0.0, 0.0)
+
+
 @every_element
 def test_displaced_is_the_position_of_material_points(name):
     """r = sum_k phi_k d_k with phi = 1, y, z, and for 3363 y^2/2, y z, z^2/2; broadcast.

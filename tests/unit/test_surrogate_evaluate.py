@@ -11,7 +11,7 @@ from reference.constant_curvature import constant_curvature_moment, constant_cur
 from surrogate.arm import at_other_base, paper_arm
 from surrogate.baselines import ClosedForm, Polynomial
 from surrogate.compare import auroc
-from surrogate.conformal import calibrated, conformal_radius, coverage
+from surrogate.conformal import ErrorRadius, calibrated, conformal_radius, coverage, radius_text
 from surrogate.evaluate import Spread, designs, latency, leak_guard, score, slab, trajectory_of
 from surrogate.inverse import exact_inverse
 from surrogate.problem import box_design, random_split, solved, solved_problem
@@ -115,6 +115,15 @@ def test_the_conformal_radius_is_a_rank():
     assert conformal_radius(errors[::-1], 0.95) == 19.0
     assert conformal_radius(errors[:18], 0.95) == np.inf
     assert conformal_radius(np.arange(1.0, 100.0), 0.95) == 95.0
+
+
+def test_a_radius_without_bound_is_null_and_said():
+    """JSON knows no infinity: fewer than 19 rows for calibration have no radius at 95 %."""
+    unknown = ErrorRadius(0.95, 9, np.inf, np.inf).as_dict()
+    assert unknown == {"level": 0.95, "rows": 9, "position": None, "moment": None}
+    assert radius_text(unknown).startswith("unknown from 9 rows")
+    known = ErrorRadius(0.95, 19, 0.5, 0.25).as_dict()
+    assert radius_text(known) == "0.5 m of the tip, 0.25 N m"
 
 
 def test_conformal_coverage_is_as_promised():

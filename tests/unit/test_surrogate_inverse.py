@@ -243,6 +243,7 @@ def test_ancf_invert_answers(scene, tmp_path, capsys):
         ("0 1 0 0\n0 0 1 1\n0 0 0 0\n", "span no section"),
         ("once upon a time\n", "cannot be read"),
         ("1 2 3 4\n1 2\n", "cannot be read"),
+        ("\n", "it is empty"),
         (None, "cannot be read"),
     ],
 )

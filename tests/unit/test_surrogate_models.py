@@ -202,6 +202,22 @@ def test_data_without_certificate_are_refused(data, capsys, tmp_path):
     assert main(["crossval", str(data)]) == 4
 
 
+def test_a_handful_of_rows_trains_a_model_of_unknown_radius(capsys, tmp_path):
+    """64 rows leave 9 for calibration, and 19 are needed at 95 %."""
+    few, model, pose = tmp_path / "few", tmp_path / "m", tmp_path / "pose.txt"
+    assert main(["dataset", "--count", "64", "--out", str(few), "--allow-unvalidated"]) == 0
+    capsys.readouterr()
+    arguments = ["train", str(few), "--model", "polynomial", "--out", str(model), "--allow-unvalidated"]
+    assert main([*arguments, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["error_radius"] == {"level": 0.95, "rows": 9, "position": None, "moment": None}
+    assert "unknown from 9 rows" in (model / "MODEL_CARD.md").read_text()
+    length = record["scene"]["rod"][0]["length"]
+    np.savetxt(pose, np.column_stack([[length, 0.0, 0.0], np.eye(3)]))
+    assert main(["invert", str(model), "--pose", str(pose)]) == 0
+    assert "unknown from 9 rows" in " ".join(capsys.readouterr().out.split())
+
+
 @pytest.mark.parametrize("kind", ["polynomial", "equivariant", "cnn"])
 def test_ancf_train_track_and_invert(data, capsys, tmp_path, kind, poses):
     if kind != "polynomial":
