@@ -259,6 +259,17 @@ def test_turns_are_followed_along_the_rod(turns):
     assert not first.is_known(rolled.q) and second.is_known(rolled.q) and not model.is_known(rolled.q)
 
 
+@pytest.mark.parametrize("clamp", [0.5, 1.0])
+def test_turns_are_followed_towards_the_base(clamp):
+    """The same of a rod that is clamped at its middle or end and rolled up from its base."""
+    rod = {"elements": 32, "supports": [{"at": clamp}]}
+    rolled = ancf.solve(scene(rod, moment=[{"at": 0.0, "value": [0, 0, 2 * np.pi * EI / (clamp * L)]}]))
+    assert rolled.status == "converged"
+    model = Model(scene(rod, spring=[{"at": at, "rotational_stiffness": K} for at in (0.0, 0.25 * clamp)]))
+    turns = [effect.turning.turns(rolled.q)[0, 0] for effect in model.effects]
+    np.testing.assert_allclose(turns, [2 * np.pi, 1.5 * np.pi], rtol=3e-3)
+
+
 def test_no_stiffness_changes_nothing():
     tables = {"force": [{"value": [0, 0.5 * EI / L**2, 0]}], "solver": {"reduction": "full"}}
     nothing = {
