@@ -33,7 +33,7 @@ from reference.round_law import LINEAR, RoundLaw
 Array = NDArray[np.float64]
 
 LONGEST = 1.0 / 16.0  # segment between two nodes
-SUBSTEPS = (6, 12)  # of the classical Runge-Kutta method on each; their difference is the error
+SUBSTEPS = (3, 6)  # of the classical Runge-Kutta method on each; their difference is the error
 ROUNDS = 60  # of the fixed point, at most
 NEWTON_ROUNDS = 14
 CONVERGED = 1e-8  # Newton step; with differences for slopes the next would be some 1e-6 of it

@@ -71,6 +71,13 @@ class RoundLaw:
 LINEAR = RoundLaw()
 
 
+def fitted_numbers(material: Mapping[str, Any]) -> dict[str, float]:
+    """`fitted` as numbers that can be stored."""
+    law = fitted(material)
+    names = ("a_1", "a_2", "a_3", "a_4", "a_5", "a_6", "poisson_ratio")
+    return {name: float(getattr(law, name)) for name in names}
+
+
 def fitted(material: Mapping[str, Any], strain: float = 0.02) -> RoundLaw:
     """The numbers of a law, from bars of radius 1 in extension, bending, torsion and both at once.
 
