@@ -3,10 +3,12 @@ r"""Section law of a round rod to the order that finite strain adds: W in stretc
 With e the stretch of the axis less 1, b the size of the curvature, t the twist and R the radius,
 
     W = EA (e^2/2 + a_3 e^3) + EI b^2/2 + GJ t^2/2 + e EI (a_1 b^2 + a_2 t^2)
-        + EI R^2 (a_4 b^4 + a_5 b^2 t^2 + a_6 t^4) + shear,
+        + EI R^2 (a_4 b^4 + a_5 b^2 t^2 + a_6 t^4) + GA g.g/2 + a_7 EI t g.b,
 
-all terms that are of the same order when e ~ (b R)^2, and the cubic one of a rod in thrust. The numbers depend
-on material law and Poisson ratio alone; `fitted` takes them from the exact section problem (section.py).
+g and b the vectors of shear and curvature: all terms that are of the same order when e ~ g ~ (b R)^2, and the
+cubic one of a rod in thrust. By a_7 the axis of a bent and twisted rod leans from the normal of its sections. The
+numbers depend on material law and Poisson ratio alone; `fitted` takes them from the exact section problem
+(section.py).
 """
 
 from __future__ import annotations
@@ -21,12 +23,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ROUNDS = 8  # of the fixed point: it contracts by (b R)^2 and e
+NUMBERS = tuple(f"a_{k}" for k in range(1, 8))
 CELLS = 2  # quads across the core of the bar
 
 
 @dataclass(frozen=True)
 class RoundLaw:
-    """The numbers a_1 .. a_6 [-]; stretch_unit EA L^2/EI and radius_2 R^2/L^2 in the units of the rod."""
+    """The numbers a_1 .. a_7 [-], and the rod that they belong to.
+
+    poisson_ratio : of the section's lateral contraction, which moves what runs in it
+    stretch_unit, radius_2 : EA L^2/EI and R^2/L^2
+    """
 
     a_1: float = 0.0
     a_2: float = 0.0
@@ -34,6 +41,7 @@ class RoundLaw:
     a_4: float = 0.0
     a_5: float = 0.0
     a_6: float = 0.0
+    a_7: float = 0.0
     poisson_ratio: float = 0.0
     stretch_unit: float = 1.0
     radius_2: float = 0.0
@@ -41,7 +49,7 @@ class RoundLaw:
     @property
     def linear(self) -> bool:
         """Whether nothing is added to the linear law."""
-        return not any((self.a_1, self.a_2, self.a_3, self.a_4, self.a_5, self.a_6))
+        return not any(getattr(self, name) for name in NUMBERS)
 
     def scaled(self, stretch_unit: float, radius_2: float) -> RoundLaw:
         """The same law in the units of a rod: EI = L = 1."""
@@ -54,28 +62,29 @@ class RoundLaw:
         new_v, new_u = np.array([1.0, 0.0, 0.0]) + n / K_n, m / K_m
         if self.linear:
             return new_v, new_u
-        e, t, b2 = v[..., 0] - 1.0, u[..., 0], u[..., 1] ** 2 + u[..., 2] ** 2
+        e, g = v[..., 0] - 1.0, v[..., 1:]
+        t, b = u[..., 0], u[..., 1:]
         for _ in range(ROUNDS):
+            b2 = np.sum(b * b, axis=-1)
             e = (n[..., 0] - self.a_1 * b2 - self.a_2 * t**2) / self.stretch_unit - 3.0 * self.a_3 * e**2
+            g = (n[..., 1:] - self.a_7 * t[..., None] * b) / K_n[1:]
             bending = 1.0 + 2.0 * self.a_1 * e + self.radius_2 * (4.0 * self.a_4 * b2 + 2.0 * self.a_5 * t**2)
             twisting = K_m[0] + 2.0 * self.a_2 * e
             twisting = twisting + self.radius_2 * (2.0 * self.a_5 * b2 + 4.0 * self.a_6 * t**2)
-            t, across = m[..., 0] / twisting, m[..., 1:] / bending[..., None]
-            b2 = np.sum(across**2, axis=-1)
-        return (
-            np.concatenate([1.0 + e[..., None], new_v[..., 1:]], axis=-1),
-            np.concatenate([t[..., None], across], axis=-1),
-        )
+            t, b = (
+                (m[..., 0] - self.a_7 * np.sum(g * b, axis=-1)) / twisting,
+                (m[..., 1:] - self.a_7 * t[..., None] * g) / bending[..., None],
+            )
+        return np.concatenate([1.0 + e[..., None], g], axis=-1), np.concatenate([t[..., None], b], axis=-1)
 
 
 LINEAR = RoundLaw()
 
 
 def fitted_numbers(material: Mapping[str, Any]) -> dict[str, float]:
-    """`fitted` as numbers that can be stored."""
+    """`fitted` as numbers that can be stored, by the names of `RoundLaw`."""
     law = fitted(material)
-    names = ("a_1", "a_2", "a_3", "a_4", "a_5", "a_6", "poisson_ratio")
-    return {name: float(getattr(law, name)) for name in names}
+    return {name: float(getattr(law, name)) for name in (*NUMBERS, "poisson_ratio")}
 
 
 def fitted(material: Mapping[str, Any], strain: float = 0.02) -> RoundLaw:
@@ -103,5 +112,8 @@ def fitted(material: Mapping[str, Any], strain: float = 0.02) -> RoundLaw:
     both = bend_and_twist(mesh, law, np.array([GJ, 0.0, EI]) * strain)
     b, t, e = both.curvature, both.twist, both.axial_stretch - 1.0
     across = float(np.hypot(both.couple[1], both.couple[2]))
-    a_5 = (across / (EI * b) - 1.0 - 2.0 * a_1 * e - 4.0 * a_4 * b**2) / (2.0 * t**2)
-    return RoundLaw(a_1, a_2, a_3, a_4, a_5, a_6, law.poisson_ratio)
+    tangent = both.velocity + np.cross(both.screw, both.centre)
+    lean = float(tangent[1:] @ both.screw[1:]) / (t * b**2)  # g = lean t b without a force across
+    a_7 = -lean * EA / (2.0 * (1.0 + law.poisson_ratio)) / EI
+    rest = across / (EI * b) - 1.0 - 2.0 * a_1 * e - 4.0 * a_4 * b**2 - a_7 * lean * t**2
+    return RoundLaw(a_1, a_2, a_3, a_4, rest / (2.0 * t**2), a_6, a_7, law.poisson_ratio)
