@@ -1,4 +1,4 @@
-r"""Rod with extension, shear, bending and torsion under everything that acts on it at once: multiple shooting.
+r"""Rod with extension, shear, bending and torsion under all that acts on it at once: multiple shooting.
 
 With the total force N and moment M that a cut through rod, wires and chambers carries, in space,
 
@@ -21,6 +21,7 @@ s         fraction of the length
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -111,9 +112,7 @@ class _Shooting:
         self.law = law.scaled(rod.EA * L**2 / EI, 4.0 * EI / rod.EA / L**2)  # R^2 = 4 I/A of a circle
         self.line = [into(actions.line_force, EI / L**3), into(actions.follower_line_force, EI / L**3)]
         self.couples = [into(actions.line_moment, EI / L**2), into(actions.follower_line_moment, EI / L**2)]
-        self.magnets = [
-            (np.asarray(p, float) * L**2 / EI, into(field, 1.0)) for p, field in actions.magnets
-        ]
+        self.magnets = [(np.asarray(p, float) * L**2 / EI, into(field, 1.0)) for p, field in actions.magnets]
         self.nodes = self._nodes(actions)
         self.h = np.diff(self.nodes)
         middles = self.nodes[:-1] + 0.5 * self.h
@@ -134,8 +133,7 @@ class _Shooting:
         places |= {float(at) for wire in actions.wires for at in np.asarray(wire.path, float)[:, 0]}
         corners = np.unique(np.round(sorted(places), 12))
         parts = [
-            np.linspace(a, b, int(np.ceil((b - a) / LONGEST - 1e-9)) + 1)[:-1]
-            for a, b in zip(corners[:-1], corners[1:], strict=True)
+            np.linspace(a, b, int(np.ceil((b - a) / LONGEST - 1e-9)) + 1)[:-1] for a, b in pairwise(corners)
         ]
         return np.concatenate([*parts, [1.0]])
 
@@ -248,9 +246,7 @@ class _Shooting:
             moved = y[node, :, R_] + arm - (a["at"] * E_X + a["place"])
             force = share * (a["force"] + R @ a["follower_force"]) - moved @ a["spring"].T
             y[node, :, N_] += force
-            y[node, :, M_] += (
-                rot.cross(arm, force) + share * (a["moment"] + R @ a["follower_moment"])
-            )
+            y[node, :, M_] += rot.cross(arm, force) + share * (a["moment"] + R @ a["follower_moment"])
         return y
 
     def continued(self) -> Array:
@@ -303,4 +299,5 @@ class _Shooting:
         J[-1, :6, -1, 7:] = np.eye(6)
         rows = np.r_[0:7, SIZE : SIZE * count, SIZE * count : SIZE * count + 6]
         matrix = J.reshape((count + 1) * SIZE, count * SIZE)[rows]
-        return np.linalg.solve(matrix, -residual.ravel()[rows]).reshape(count, SIZE)
+        step = np.linalg.solve(matrix, -residual.ravel()[rows])
+        return np.asarray(step, dtype=float).reshape(count, SIZE)

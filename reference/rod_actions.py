@@ -61,8 +61,8 @@ class Bed:
 class RodActions:
     """All that acts on a rod; line values per reference length [N/m], [N m/m], all (3,).
 
-    A magnetised rod takes the couple (R p) x B per length: `magnets` are pairs of p = A B_r/mu_0 (3,) [A m2/m]
-    in section axes and B (3,) [T].
+    A magnetised rod takes the couple (R p) x B per length: `magnets` are pairs of p = A B_r/mu_0 (3,)
+    [A m2/m] in section axes and B (3,) [T].
     """
 
     points: tuple[PointAction, ...] = ()

@@ -6,8 +6,8 @@ With e the stretch of the axis less 1, b the size of the curvature, t the twist 
         + EI R^2 (a_4 b^4 + a_5 b^2 t^2 + a_6 t^4) + GA g.g/2 + a_7 EI t g.b,
 
 g and b the vectors of shear and curvature: all terms that are of the same order when e ~ g ~ (b R)^2, and the
-cubic one of a rod in thrust. By a_7 the axis of a bent and twisted rod leans from the normal of its sections. The
-numbers depend on material law and Poisson ratio alone; `fitted` takes them from the exact section problem
+cubic one of a rod in thrust. By a_7 the axis of a bent and twisted rod leans from the normal of its sections.
+The numbers depend on material law and Poisson ratio alone; `fitted` takes them from the exact section problem
 (section.py).
 """
 
@@ -55,9 +55,7 @@ class RoundLaw:
         """The same law in the units of a rod: EI = L = 1."""
         return replace(self, stretch_unit=stretch_unit, radius_2=radius_2)
 
-    def strains(
-        self, n: Array, m: Array, K_n: Array, K_m: Array, v: Array, u: Array
-    ) -> tuple[Array, Array]:
+    def strains(self, n: Array, m: Array, K_n: Array, K_m: Array, v: Array, u: Array) -> tuple[Array, Array]:
         """v and u (..., 3) that carry n and m (..., 3), from strains near them; units EI = L = 1."""
         new_v, new_u = np.array([1.0, 0.0, 0.0]) + n / K_n, m / K_m
         if self.linear:
@@ -90,8 +88,8 @@ def fitted_numbers(material: Mapping[str, Any]) -> dict[str, float]:
 def fitted(material: Mapping[str, Any], strain: float = 0.02) -> RoundLaw:
     """The numbers of a law, from bars of radius 1 in extension, bending, torsion and both at once.
 
-    material : table of a scene file (`rod_inputs`); strain : kappa R of these states [-], whose square is what
-    the numbers err by, relatively
+    material : table of a scene file (`rod_inputs`)
+    strain : kappa R of these states [-]; its square is what the numbers err by, relatively
     """
     from reference.rod_inputs import law_of, section_of
     from reference.section import bend, bend_and_twist, extend, stiffness, twist

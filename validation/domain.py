@@ -1,10 +1,10 @@
 """The domain of validity: what the cases that passed have really tried, and whether a scene lies inside it.
 
-A scene is inside when there are cases that passed which had all of its loads at once, perhaps with others, on a
-rod made of the same, and when one single one of them was at least as hard in every number: Poisson ratio,
-curvature, turn, turn of an element, thrust, strain, and the size of every load (load_numbers.py). A box would
-claim the largest curvature at the hardest material and on the coarsest mesh, and two loads at once because
-each was tried alone.
+A scene is inside when cases that passed had all of its loads at once, perhaps with others, on a rod made of
+the same, and when a single one of them was at least as hard in every number: Poisson ratio, curvature, turn,
+turn of an element, section force, strain, and the size of every load (load_numbers.py). A box would claim the
+largest curvature at the hardest material and on the coarsest mesh, and two loads at once because each was
+tried alone.
 """
 
 from __future__ import annotations
@@ -32,20 +32,21 @@ SHOWN = 3  # numbers that left few cases, in a reason
 RANGES = {"slenderness": "L/R", "flatness": "flatness", "poisson_ratio": "poisson_ratio"}
 WORDS = {
     "poisson_ratio": "poisson_ratio", "kappa_R": "kappa R", "turn": "turn [rad]",
-    "turn_per_element": "turn of an element [rad]", "turn_by_aspect": "turn of an element by its length over R",
+    "turn_per_element": "turn of an element [rad]",
+    "turn_by_aspect": "turn of an element times its length over R",
     "reference_turn": "turn of the unstressed rod [rad]", "tolerance": "tolerance of the solver",
     "thrust": "section force N L2/EI", "strain": "largest strain",
 }  # fmt: skip
 
 
 def domain_of(certified: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """What was tried, for each element, formulation, law, set of loads and make, over regimes of passed cases.
+    """What was tried, for each element, formulation, law, set of loads and make, by the cases that passed.
 
     Returns
     -------
-    Records with the names of `KEY`, loads joined by " + "; [smallest, largest] elements, slenderness, flatness
-    and poisson_ratio; ``numbers``: names of the numbers, `HARDNESS` and those of the loads; ``front``: the
-    hardest cases, in that order, none of which is exceeded by another in all.
+    Records with the names of `KEY`, loads joined by " + "; [smallest, largest] elements, slenderness,
+    flatness and poisson_ratio; ``numbers``: names of the numbers, `HARDNESS` and those of the loads;
+    ``front``: the hardest cases, in that order, none of which is exceeded by another in all.
     """
     groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
     for regime in certified:

@@ -10,17 +10,14 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from ancf.scene import Rod, Scene
 
-Floats = NDArray[np.float64]
 Families = dict[str, dict[str, float]]
+Add = Callable[[str, Mapping[str, float]], None]
 
 AXIAL = 1e-9  # share of a vector along (across) the rod from which it counts as having that part
 END = 1e-12  # of the length
@@ -39,10 +36,9 @@ def families_of(rod: Rod, scene: Scene) -> Families:
     EI, L, R = _stiffness(rod), rod.length, rod.section.outer_radius
     axis = rod.base.rotation[:, 0]
 
-    def add(name: str, **numbers: float) -> None:
+    def add(name: str, numbers: Mapping[str, float]) -> None:
         family = found.setdefault(name, {})
         for key, value in numbers.items():
-            key = NAMES.get(key, key)
             family[key] = max(family.get(key, 0.0), value) if key in LARGEST else family.get(key, 0.0) + value
 
     for load in scene.moments:
@@ -50,43 +46,37 @@ def families_of(rod: Rod, scene: Scene) -> Families:
         if load.rod == rod.name and load.value.any():
             more = ", vorticity" * (load.definition == "vorticity") + _place(load)
             if along:
-                add(f"{_follower(load)}torsion{more}", moment=abs(along) * L / EI)
+                add(f"{_follower(load)}torsion{more}", {"M L/EI": abs(along) * L / EI})
             if across:
-                add(f"{_follower(load)}bending{more}", moment=across * L / EI)
+                add(f"{_follower(load)}bending{more}", {"M L/EI": across * L / EI})
     for load in scene.forces:
         along, across = _parts(axis, load.value)
         if load.rod == rod.name and load.value.any():
             kind = "force" if across else "axial tension" if along > 0.0 else "axial compression"
             name = f"{_follower(load)}{kind}{_place(load)}"
-            add(name, **_vector("F L2/EI", along, across, L**2 / EI), offset=_norm(load.offset) / R)
+            add(name, _vector("F L2/EI", along, across, L**2 / EI) | {"offset/R": _norm(load.offset) / R})
     for load in scene.line_loads:
         if load.rod == rod.name and load.value.any():
             parts = _parts(axis, load.value)
-            add(f"{_follower(load)}line load", **_vector("w L3/EI", *parts, L**3 / EI))
+            add(f"{_follower(load)}line load", _vector("w L3/EI", *parts, L**3 / EI))
     for load in scene.line_moments:
         if load.rod == rod.name and load.value.any():
-            add(f"{_follower(load)}line moment", line_moment=_norm(load.value) * L**2 / EI)
+            add(f"{_follower(load)}line moment", {"m L2/EI": _norm(load.value) * L**2 / EI})
     if scene.gravity is not None and scene.gravity.acceleration.any():
         weight = (rod.material.density or 0.0) * rod.section.area * scene.gravity.acceleration * L**3 / EI
         if weight.any():
-            add("gravity", **_vector("rho A g L3/EI", *_parts(axis, weight), 1.0))
+            add("gravity", _vector("rho A g L3/EI", *_parts(axis, weight), 1.0))
     _add_actuators(rod, scene, add)
     _add_holders(rod, scene, add)
     for effect in scene.added:
-        add(f"{effect.table} (of another package)", table=float(len(effect.records)))
+        add(f"{effect.table} (of another package)", {"number of entries": float(len(effect.records))})
     return found
 
 
-NAMES = {
-    "moment": "M L/EI", "line_moment": "m L2/EI", "pull": "T L2/EI", "tendons": "number of tendons",
-    "thrust": "p A L2/EI", "chambers": "number of chambers", "couple": "(B_r A/mu_0) B L2/EI",
-    "spring": "k L3/EI", "bed": "k L4/EI", "bodies": "number of contacts", "table": "number of entries",
-    "offset": "offset/R", "radius": "radius/R",
-}  # fmt: skip
-
-
-def _add_actuators(rod: Rod, scene: Scene, add: Any) -> None:
+def _add_actuators(rod: Rod, scene: Scene, add: Add) -> None:
     """Tendons, chambers under pressure and magnets."""
+    import numpy as np
+
     EI, L, R = _stiffness(rod), rod.length, rod.section.outer_radius
     for tendon in scene.tendons:
         if tendon.rod != rod.name or tendon.tension == 0.0:
@@ -94,52 +84,57 @@ def _add_actuators(rod: Rod, scene: Scene, add: Any) -> None:
         at, places = tendon.path[:, 0], tendon.path[:, 1:]
         slopes = np.linalg.norm(np.diff(places, axis=0), axis=1) / (np.diff(at) * L)
         name = "tendon"
-        name += ", of given length" * (tendon.length is not None) + ", with friction" * (tendon.friction > 0.0)
+        name += ", of given length" * (tendon.length is not None) + ", with friction" * (
+            tendon.friction > 0.0
+        )
         name += _part(at[0], at[-1])
-        numbers = {"offset": _norm(places) / R, "slope": float(slopes.max()), "tendons": 1.0}
+        numbers = {"offset/R": _norm(places) / R, "slope": float(slopes.max()), "number of tendons": 1.0}
         if tendon.length is None:
-            numbers["pull"] = float(tendon.tension or 0.0) * L**2 / EI
+            numbers["T L2/EI"] = float(tendon.tension or 0.0) * L**2 / EI
         else:
             path = float(np.sum(np.diff(at) * L * np.hypot(1.0, slopes)))
             numbers["shortening"] = max(0.0, path - tendon.length) / path
         if tendon.friction > 0.0:
             numbers["friction"] = tendon.friction
-        add(name, **numbers)
+        add(name, numbers)
     for chamber in scene.pressures:
         if chamber.rod == rod.name and chamber.value:
             name = ("pressure" if chamber.value > 0.0 else "suction") + _part(chamber.start, chamber.end)
             thrust = abs(chamber.value) * math.pi * chamber.radius**2 * L**2 / EI
             offset = _norm(chamber.centre) / R
-            add(name, thrust=thrust, offset=offset, radius=chamber.radius / R, chambers=1.0)
+            sizes = {"p A L2/EI": thrust, "offset/R": offset, "radius/R": chamber.radius / R}
+            add(name, sizes | {"number of chambers": 1.0})
     for magnet in scene.magnets:
         couple = _norm(magnet.remanence) * _norm(magnet.field) * rod.section.area / MU_0 * L**2 / EI
         if magnet.rod == rod.name and couple:
-            add("magnet", couple=couple)
+            add("magnet", {"(B_r A/mu_0) B L2/EI": couple})
 
 
-def _add_holders(rod: Rod, scene: Scene, add: Any) -> None:
+def _add_holders(rod: Rod, scene: Scene, add: Add) -> None:
     """Springs, beds and contact."""
+    import numpy as np
+
     EI, L, R = _stiffness(rod), rod.length, rod.section.outer_radius
     for spring in scene.springs:
         if spring.rod == rod.name and spring.stiffness.any():
             k = float(np.linalg.norm(spring.stiffness, 2)) * L**3 / EI
             name = "spring" + " to an anchor" * (spring.anchor is not None) + _place(spring)
-            add(name, spring=k, offset=_norm(spring.offset) / R)
+            add(name, {"k L3/EI": k, "offset/R": _norm(spring.offset) / R})
     for bed in scene.foundations:
         if bed.rod == rod.name and bed.stiffness.any():
             name = "foundation" + " in section axes" * (bed.axes is None) + _part(bed.start, bed.end)
-            add(name, bed=float(np.max(bed.stiffness)) * L**4 / EI)
+            add(name, {"k L4/EI": float(np.max(bed.stiffness)) * L**4 / EI})
     for contact in scene.contacts:
         if rod.name in (contact.rod, contact.other):
-            add("contact", bodies=1.0)
+            add("contact", {"number of contacts": 1.0})
 
 
 def in_units(scene: Mapping[str, Any], share: float = 1.0) -> dict[str, Any]:
     """The scene with its loads, given as the numbers of this module, in SI and times a share.
 
     gravity is the vector rho A g L^3/EI; of a magnet the remanence is in T and the field gives
-    (B_r A/mu_0) B L^2/EI for a remanence of 1 T; of a chamber the value is p A L^2/EI. What holds the rod, springs
-    and beds, keeps its stiffness.
+    (B_r A/mu_0) B L^2/EI for a remanence of 1 T; of a chamber the value is p A L^2/EI. What holds the rod,
+    springs and beds, keeps its stiffness.
     """
     import ancf
 
@@ -179,7 +174,7 @@ def _stiffness(rod: Rod) -> float:
     return float(rod.material.young_modulus * rod.section.weaker_second_moment)
 
 
-def _parts(axis: Floats, value: Floats) -> tuple[float, float]:
+def _parts(axis: Any, value: Any) -> tuple[float, float]:
     """Component along the axis, and size of the rest; what is but rounding of the other is zero."""
     along = float(axis @ value)
     across = _norm(value - along * axis)
@@ -195,6 +190,8 @@ def _vector(name: str, along: float, across: float, unit: float) -> dict[str, fl
 
 def _norm(vectors: Any) -> float:
     """Largest length among vectors (..., k)."""
+    import numpy as np  # not at the top: the gate reads certificates without it
+
     return float(np.max(np.linalg.norm(vectors, axis=-1)))
 
 

@@ -1,4 +1,4 @@
-"""Rods under several effects at once, against the rod integrated with all of them (reference/actuated_rod.py)."""
+"""Rods under several effects at once, against the rod integrated with all of them in reference/."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 Thin-rod numbers, with M and N the largest moment and force in a section, EI of the weaker axis, h the length
 of an element and R the outer radius: kappa_R = M R/EI, turn = M L/EI [rad], turn_per_element = M h/EI,
-turn_by_aspect = M h^2/(EI R), which is what elements lock by, and thrust = N L^2/EI. A scene under moments alone
-has them before it is solved.
+turn_by_aspect = M h^2/(EI R), which is what elements lock by, and thrust = N L^2/EI. A scene under moments
+alone has them before it is solved.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ HARDNESS: tuple[str, ...] = (
 # or iterations, and vouch for no scene.
 ACCURATE = frozenset(
     {
-        "actuated", "actuated rod", "cross-check", "elastica", "gap rate", "helix", "published deflection", "pure bending", "rod",
-        "rubber stretch", "section stress", "uniaxial",
+        "actuated", "actuated rod", "cross-check", "elastica", "gap rate", "helix", "published deflection",
+        "pure bending", "rod", "rubber stretch", "section stress", "uniaxial",
     }
 )  # fmt: skip
 
@@ -81,8 +81,8 @@ def regime_of(rod: Rod, scene: Scene) -> dict[str, Any]:
     -------
     element, formulation, law; loads (families); the `SETTINGS`; elements, slenderness L/R, flatness (thinnest
     wall or side by the largest measure, 1 for a disc); poisson_ratio, the turn of the unstressed rod, the
-    solver's tolerance, and the thin-rod numbers of its moments; numbers: those of its loads, by "family: name";
-    known: whether moments are its only loads.
+    solver's tolerance, and the thin-rod numbers of its moments; numbers: those of its loads, by
+    "family: name"; known: whether moments are its only loads.
     """
     moments = [load for load in scene.moments if load.rod == rod.name]
     families = families_of(rod, scene)

@@ -9,6 +9,7 @@ from typing import Any
 
 from validation.cases import INDEPENDENCE, Case
 from validation.certificate import domain_of_run
+from validation.domain import ROD
 from validation.problems import CaseResult
 from validation.runner import Run
 
@@ -54,7 +55,7 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 
 def domain_rows(run: Run) -> list[dict[str, Any]]:
-    """Domain of validity of a run, a row for each element, law and set of loads: ranges and largest numbers."""
+    """Domain of validity of a run, a row for each element, law and set of loads: ranges, largest numbers."""
     groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for entry in domain_of_run(run):
         groups.setdefault(tuple(entry[key] for key in (*ROD, "loads")), []).append(entry)
