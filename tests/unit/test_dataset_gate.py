@@ -134,7 +134,7 @@ def test_one_sample_outside_is_enough(tmp_path, monkeypatch):
 
 
 def test_every_row_is_judged_and_not_the_hardest_alone():
-    """Bending alone was tried up to 1 rad, with torsion up to 0.5: the middle row is softer than the first."""
+    """Bending alone was tried up to 1 rad, with torsion to 0.5: the middle row is softer than the first."""
     EI_L = 1.0e6 * np.pi * 0.01**4 / 4.0 / 0.4
     bent, twisted = {**VOUCHED, "loads": ["bending"]}, {**VOUCHED, "turn": 0.5}
     batch = ancf.solve_batch(small().scene, EI_L * np.array([[0, 0.9, 0], [0.6, 0, 0.1], [0.3, 0, 0.1]]))
