@@ -41,9 +41,10 @@ class Gate:
     def outside(self, batch: BatchSolution) -> dict[int, list[str]]:
         """Which rows of a batch lie outside the domain of validity, and why; none without a certificate.
 
-        Rows under moments alone are judged by their loads, and those of the largest moment, bending and torsion
-        by their solutions too: what bends and twists less strains less. All others are judged solved, as curvature is not known before.
-        A row without an equilibrium says nothing that could be vouched for, and stays, with its status.
+        Rows under moments alone are judged by their loads, and those of the largest moment, bending and
+        torsion by their solutions too: what bends and twists less strains less. All others are judged solved,
+        as curvature is not known before. A row without an equilibrium says nothing that could be vouched for,
+        and stays, with its status.
         """
         if self.certificate is None:
             return {}

@@ -128,7 +128,8 @@ def test_families_and_their_numbers(tables, expected):
 
 def test_loads_of_zero_are_none():
     none = {
-        "moment": [{"value": [0, 0, 0]}], "force": [{"value": [0, 0, 0]}], "line_load": [{"value": [0, 0, 0]}],
+        "moment": [{"value": [0, 0, 0]}], "force": [{"value": [0, 0, 0]}],
+        "line_load": [{"value": [0, 0, 0]}],
         "line_moment": [{"value": [0, 0, 0]}], "gravity": {"acceleration": [0, 0, 0]},
         "tendon": [{"tension": 0.0, "path": [[0, 0.008, 0], [1, 0.008, 0]]}],
         "pressure": [{"value": 0.0, "chamber": CHAMBER}],

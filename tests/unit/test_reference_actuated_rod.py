@@ -129,7 +129,8 @@ def energy(v, u, law):
 def test_strains_make_the_energy_of_rod_and_wires_stationary(law):
     """Rod with two wires that slant, T/(E A) = 1 %, and a chamber: the gradient vanishes to differences."""
     wires = (
-        Wire(3.0, [[0, 0.008, 0.001], [1, 0.008, 0.001]]), Wire(1.0, [[0, -0.004, 0.006], [1, -0.004, 0.006]]),
+        Wire(3.0, [[0, 0.008, 0.001], [1, 0.008, 0.001]]),
+        Wire(1.0, [[0, -0.004, 0.006], [1, -0.004, 0.006]]),
         Wire(-0.5, [[0, 0.002, 0.005], [1, 0.002, 0.005]], normal=True),
     )  # fmt: skip
     nu = law.poisson_ratio
