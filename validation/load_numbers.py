@@ -11,18 +11,32 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ancf.scene import Rod, Scene
 
 Families = dict[str, dict[str, float]]
-Add = Callable[[str, Mapping[str, float]], None]
+Add = Callable[[Any, str, Mapping[str, float]], None]
 
 AXIAL = 1e-9  # share of a vector along (across) the rod from which it counts as having that part
 END = 1e-12  # of the length
 MU_0 = 1.25663706127e-6  # N/A2, CODATA 2022
 LARGEST = ("offset/R", "radius/R", "slope", "friction", "shortening")  # of loads; the other numbers add up
+KNOWN = frozenset(
+    {
+        "rods", "moments", "forces", "line_loads", "line_moments", "magnets", "gravity", "tendons",
+        "pressures", "springs", "foundations", "contacts", "joints", "added", "solver", "stability", "title",
+    }
+)  # fmt: skip
+SAID = frozenset(  # fields of the records of effects that names and numbers here tell
+    {
+        "rod", "at", "value", "offset", "direction", "definition", "frame", "remanence", "field",
+        "acceleration", "tension", "path", "length", "friction", "centre", "radius", "start", "end", "stiffness", "anchor",
+        "free_length", "axes", "obstacle", "other",
+    }
+)  # fmt: skip
 POWERS = {"moment": 1, "force": 2, "line_moment": 2, "line_load": 3}  # of L in the unit of a `value`
 
 
@@ -36,8 +50,8 @@ def families_of(rod: Rod, scene: Scene) -> Families:
     EI, L, R = _stiffness(rod), rod.length, rod.section.outer_radius
     axis = rod.base.rotation[:, 0]
 
-    def add(name: str, numbers: Mapping[str, float]) -> None:
-        family = found.setdefault(name, {})
+    def add(load: Any, name: str, numbers: Mapping[str, float]) -> None:
+        family = found.setdefault(name + _more(load), {})
         for key, value in numbers.items():
             family[key] = max(family.get(key, 0.0), value) if key in LARGEST else family.get(key, 0.0) + value
 
@@ -46,30 +60,37 @@ def families_of(rod: Rod, scene: Scene) -> Families:
         if load.rod == rod.name and load.value.any():
             more = ", vorticity" * (load.definition == "vorticity") + _place(load)
             if along:
-                add(f"{_follower(load)}torsion{more}", {"M L/EI": abs(along) * L / EI})
+                add(load, f"{_follower(load)}torsion{more}", {"M L/EI": abs(along) * L / EI})
             if across:
-                add(f"{_follower(load)}bending{more}", {"M L/EI": across * L / EI})
+                add(load, f"{_follower(load)}bending{more}", {"M L/EI": across * L / EI})
     for load in scene.forces:
         along, across = _parts(axis, load.value)
         if load.rod == rod.name and load.value.any():
             kind = "force" if across else "axial tension" if along > 0.0 else "axial compression"
             name = f"{_follower(load)}{kind}{_place(load)}"
-            add(name, _vector("F L2/EI", along, across, L**2 / EI) | {"offset/R": _norm(load.offset) / R})
+            add(
+                load,
+                name,
+                _vector("F L2/EI", along, across, L**2 / EI) | {"offset/R": _norm(load.offset) / R},
+            )
     for load in scene.line_loads:
         if load.rod == rod.name and load.value.any():
             parts = _parts(axis, load.value)
-            add(f"{_follower(load)}line load", _vector("w L3/EI", *parts, L**3 / EI))
+            add(load, f"{_follower(load)}line load", _vector("w L3/EI", *parts, L**3 / EI))
     for load in scene.line_moments:
         if load.rod == rod.name and load.value.any():
-            add(f"{_follower(load)}line moment", {"m L2/EI": _norm(load.value) * L**2 / EI})
+            add(load, f"{_follower(load)}line moment", {"m L2/EI": _norm(load.value) * L**2 / EI})
     if scene.gravity is not None and scene.gravity.acceleration.any():
         weight = (rod.material.density or 0.0) * rod.section.area * scene.gravity.acceleration * L**3 / EI
         if weight.any():
-            add("gravity", _vector("rho A g L3/EI", *_parts(axis, weight), 1.0))
+            add(scene.gravity, "gravity", _vector("rho A g L3/EI", *_parts(axis, weight), 1.0))
     _add_actuators(rod, scene, add)
     _add_holders(rod, scene, add)
+    for field in fields(scene):  # effects that nobody has given numbers here
+        if field.name not in KNOWN and getattr(scene, field.name):
+            add(None, field.name, {})
     for effect in scene.added:
-        add(f"{effect.table} (of another package)", {"number of entries": float(len(effect.records))})
+        add(None, f"{effect.table} (of another package)", {"number of entries": float(len(effect.records))})
     return found
 
 
@@ -96,18 +117,18 @@ def _add_actuators(rod: Rod, scene: Scene, add: Add) -> None:
             numbers["shortening"] = max(0.0, path - tendon.length) / path
         if tendon.friction > 0.0:
             numbers["friction"] = tendon.friction
-        add(name, numbers)
+        add(tendon, name, numbers)
     for chamber in scene.pressures:
         if chamber.rod == rod.name and chamber.value:
             name = ("pressure" if chamber.value > 0.0 else "suction") + _part(chamber.start, chamber.end)
             thrust = abs(chamber.value) * math.pi * chamber.radius**2 * L**2 / EI
             offset = _norm(chamber.centre) / R
             sizes = {"p A L2/EI": thrust, "offset/R": offset, "radius/R": chamber.radius / R}
-            add(name, sizes | {"number of chambers": 1.0})
+            add(chamber, name, sizes | {"number of chambers": 1.0})
     for magnet in scene.magnets:
         couple = _norm(magnet.remanence) * _norm(magnet.field) * rod.section.area / MU_0 * L**2 / EI
         if magnet.rod == rod.name and couple:
-            add("magnet", {"(B_r A/mu_0) B L2/EI": couple})
+            add(magnet, "magnet", {"(B_r A/mu_0) B L2/EI": couple})
 
 
 def _add_holders(rod: Rod, scene: Scene, add: Add) -> None:
@@ -119,14 +140,14 @@ def _add_holders(rod: Rod, scene: Scene, add: Add) -> None:
         if spring.rod == rod.name and spring.stiffness.any():
             k = float(np.linalg.norm(spring.stiffness, 2)) * L**3 / EI
             name = "spring" + " to an anchor" * (spring.anchor is not None) + _place(spring)
-            add(name, {"k L3/EI": k, "offset/R": _norm(spring.offset) / R})
+            add(spring, name, {"k L3/EI": k, "offset/R": _norm(spring.offset) / R})
     for bed in scene.foundations:
         if bed.rod == rod.name and bed.stiffness.any():
             name = "foundation" + " in section axes" * (bed.axes is None) + _part(bed.start, bed.end)
-            add(name, {"k L4/EI": float(np.max(bed.stiffness)) * L**4 / EI})
+            add(bed, name, {"k L4/EI": float(np.max(bed.stiffness)) * L**4 / EI})
     for contact in scene.contacts:
         if rod.name in (contact.rod, contact.other):
-            add("contact", {"number of contacts": 1.0})
+            add(contact, "contact", {"number of contacts": 1.0})
 
 
 def in_units(scene: Mapping[str, Any], share: float = 1.0) -> dict[str, Any]:
@@ -193,6 +214,14 @@ def _norm(vectors: Any) -> float:
     import numpy as np  # not at the top: the gate reads certificates without it
 
     return float(np.max(np.linalg.norm(vectors, axis=-1)))
+
+
+def _more(record: Any) -> str:
+    """What a record says beside `SAID`: whoever gives an effect one more property makes another family."""
+    import numpy as np
+
+    said = [field.name for field in fields(record)] if record is not None else []
+    return "".join(f", with {name}" for name in said if name not in SAID and np.any(getattr(record, name)))
 
 
 def _place(load: Any) -> str:

@@ -228,4 +228,4 @@ def test_the_number_that_is_beyond_is_named(name, factor, gentler):
     where = beyond if name in HARDNESS else beyond["numbers"]
     where[name] *= factor
     (reason,) = _beyond(domain, beyond)
-    assert WORDS.get(name, name) in reason
+    assert str(WORDS.get(name, name)) in reason

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import ancf
+from ancf.scene import Foundation, Scene
 from validation.load_numbers import families_of, in_units
 
 L, R, E, RHO = 0.4, 0.01, 1.0e6, 1070.0
@@ -137,6 +139,28 @@ def test_loads_of_zero_are_none():
         "foundation": [{"stiffness": 0.0}],
     }  # fmt: skip
     assert families(**none) == {}
+
+
+def test_what_nobody_gave_numbers_is_a_family_of_its_own():
+    """Effects and properties that come later are refused by the domain, not passed over."""
+    scene = ancf.scene_from_dict({"rod": [ROD], "foundation": [{"stiffness": 3.0}]})
+
+    @dataclass(frozen=True)
+    class LaterScene(Scene):
+        winds: tuple[str, ...] = ()
+
+    @dataclass(frozen=True, eq=False)
+    class LaterBed(Foundation):
+        rotational: float = 0.0
+
+    later = {field.name: getattr(scene, field.name) for field in fields(scene)}
+    (bed,) = scene.foundations
+    numbers = {field.name: getattr(bed, field.name) for field in fields(bed)}
+    for rotational, name in ((0.0, "foundation"), (2.0, "foundation, with rotational")):
+        beds = (LaterBed(**numbers, rotational=rotational),)
+        assert list(families_of(scene.rods[0], replace(scene, foundations=beds))) == [name]
+    windy = LaterScene(**later, winds=("north",))
+    assert sorted(families_of(scene.rods[0], windy)) == ["foundation", "winds"]
 
 
 @given(st.lists(st.floats(-5, 5), min_size=3, max_size=3), st.floats(0.1, 1.0))
