@@ -24,17 +24,17 @@ AXIAL = 1e-9  # share of a vector along (across) the rod from which it counts as
 END = 1e-12  # of the length
 MU_0 = 1.25663706127e-6  # N/A2, CODATA 2022
 LARGEST = ("offset/R", "radius/R", "slope", "friction", "shortening")  # of loads; the other numbers add up
-KNOWN = frozenset(
+KNOWN = frozenset(  # fields of a scene that are told below, or are no effects
     {
         "rods", "moments", "forces", "line_loads", "line_moments", "magnets", "gravity", "tendons",
         "pressures", "springs", "foundations", "contacts", "joints", "added", "solver", "stability", "title",
     }
 )  # fmt: skip
-SAID = frozenset(  # fields of the records of effects that names and numbers here tell
+SAID = frozenset(  # fields of the records of effects that names and numbers below tell
     {
         "rod", "at", "value", "offset", "direction", "definition", "frame", "remanence", "field",
-        "acceleration", "tension", "path", "length", "friction", "centre", "radius", "start", "end", "stiffness", "anchor",
-        "free_length", "axes", "obstacle", "other",
+        "acceleration", "tension", "path", "length", "friction", "centre", "radius", "start", "end",
+        "stiffness", "anchor", "free_length", "axes", "obstacle", "other",
     }
 )  # fmt: skip
 POWERS = {"moment": 1, "force": 2, "line_moment": 2, "line_load": 3}  # of L in the unit of a `value`
