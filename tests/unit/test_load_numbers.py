@@ -69,7 +69,7 @@ def families(**tables):
         ),
         (
             {"tendon": [{"tension": 2.0, "path": [[0, 0.008, 0], [1, 0.0, 0.006]]},
-                        {"tension": 1.0, "path": [[0, 0.004, 0], [1, 0.004, 0]]}]},
+                        {"tension": 1.0, "path": [[0, 0.004, 0], [1, 0.002, 0]]}]},
             {
                 "tendon": {
                     "offset/R": 0.8, "slope": 0.01 / L, "number of tendons": 2.0, "T L2/EI": 3.0 * L**2 / EI
