@@ -141,6 +141,14 @@ def test_every_row_is_judged_and_not_the_hardest_alone():
     assert list(Gate(certificate(bent, twisted)).outside(batch)) == [1]
 
 
+def test_the_hardest_torsion_is_judged_solved_though_a_moment_across_is_larger():
+    """Strain of 0.9 E I/L across: 0.9 R/L = 0.0225; of 0.88 along, shear doubled: 1.3 * 0.88 R/L = 0.0286."""
+    EI_L = 1.0e6 * np.pi * 0.01**4 / 4.0 / 0.4
+    batch = ancf.solve_batch(small().scene, EI_L * np.array([[0, 0.9, 0], [0.88, 0, 0.01], [0.1, 0, 0.1]]))
+    found = Gate(certificate({**VOUCHED, "strain": 0.025})).outside(batch)
+    assert list(found) == [1] and "largest strain 0.028" in found[1][0]
+
+
 def test_blocks_that_were_allowed_are_not_taken_without_the_permission(tmp_path, monkeypatch):
     monkeypatch.setattr(gate, "verify", valid({**VOUCHED, "turn": 0.6}))
     plan = Plan(small(), ask())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -127,7 +129,7 @@ def energy(v, u, law):
 
 @pytest.mark.parametrize("law", [RoundLaw(), RoundLaw(poisson_ratio=0.3), LAW])
 def test_strains_make_the_energy_of_rod_and_wires_stationary(law):
-    """Rod with two wires that slant, T/(E A) = 1 %, and a chamber: the gradient vanishes to differences."""
+    """Rod with two wires, T/(E A) = 1 %, and a chamber: the gradient vanishes to differences."""
     wires = (
         Wire(3.0, [[0, 0.008, 0.001], [1, 0.008, 0.001]]),
         Wire(1.0, [[0, -0.004, 0.006], [1, -0.004, 0.006]]),
@@ -153,6 +155,35 @@ def test_strains_make_the_energy_of_rod_and_wires_stationary(law):
     x, h = np.concatenate([v, u * R]), 1e-5
     gradient = [(total(x + h * d) - total(x - h * d)) / (2 * h) for d in np.eye(6)]
     np.testing.assert_allclose(gradient, np.zeros(6), atol=3e-6 * E * A * 0.01)
+
+
+def test_strains_of_the_law_are_those_of_its_energy():
+    """Force and moment are its derivatives, by differences, and give the strains back; each number counts."""
+    v, u = np.array([1.004, 0.002, -0.003]), np.array([2.0, -1.5, 2.5])  # kappa R = 0.03, twist 0.02
+    x, h = np.concatenate([v, u * R]), 1e-5
+    G = E / 2.0 / (1.0 + NU)
+    K_n, K_m = np.array([E, G, G]) * A * L**2 / EI, np.array([1.0 / (1.0 + NU), 1.0, 1.0])
+
+    def found(law):
+        slope = [
+            (
+                energy((x + h * d)[:3], (x + h * d)[3:] / R, law)
+                - energy((x - h * d)[:3], (x - h * d)[3:] / R, law)
+            )
+            / (2 * h)
+            for d in np.eye(6)
+        ]
+        n, m = np.array(slope[:3]) * L**2 / EI, np.array(slope[3:]) * R * L / EI
+        scaled = LAW.scaled(E * A * L**2 / EI, R**2 / L**2)
+        near = np.array([1.0, 0.0, 0.0]), np.zeros(3)
+        for _ in range(3):
+            near = scaled.strains(n, m, K_n, K_m, *near)
+        return np.concatenate([near[0], near[1] * R / L])
+
+    np.testing.assert_allclose(found(LAW), x, rtol=0, atol=2e-9)
+    for name in NUMBERS:
+        other = replace(LAW, **{name: 2.0 * getattr(LAW, name)})
+        assert np.abs(found(other) - x).max() > 1e-8, name
 
 
 @pytest.mark.parametrize(("law", "nu"), [("saint-venant-kirchhoff", 0.3), ("neo-hookean", 0.45)])
