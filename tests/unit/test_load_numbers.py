@@ -180,7 +180,7 @@ def test_what_is_given_in_numbers_has_these_numbers(value, share):
     for family, name in (("force", "F L2/EI"), ("gravity", "rho A g L3/EI")):
         for numbers in (numbers for key, numbers in found.items() if key.startswith(family)):
             sizes = [numbers[f"{name} {part} the axis"] for part in ("along", "against", "across")]
-            assert sizes == pytest.approx(parts, rel=1e-12, abs=1e-8 * np.linalg.norm(parts))
+            assert sizes == pytest.approx(parts, rel=1e-12, abs=1e-8 * float(np.linalg.norm(parts)))
             assert numbers.get("offset/R", 0.5) == pytest.approx(0.5)
     assert found["tendon"]["T L2/EI"] == pytest.approx(7.0 * share)
     assert found["tendon"]["offset/R"] == pytest.approx(1.0)
