@@ -13,6 +13,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ancf.errors import Message
 from validation.certificate import Certificate, NotValidated, Roots, digests, verify
@@ -40,17 +41,17 @@ class Gate:
     def outside(self, batch: BatchSolution) -> dict[int, list[str]]:
         """Which rows of a batch lie outside the domain of validity, and why; none without a certificate.
 
-        Rows under moments alone are judged by their loads, and the one of the largest moment by its solution
-        too: what bends less strains less. All others are judged solved, as curvature is not known before.
-        A row without an equilibrium says nothing that could be vouched for, and stays, with its status.
+        Rows under moments alone are judged by their loads, and those of the largest moment, bending and
+        torsion by their solutions too: what bends and twists less strains less. All others are judged solved,
+        as curvature is not known before. A row without an equilibrium says nothing that could be vouched for,
+        and stays, with its status.
         """
         if self.certificate is None:
             return {}
         converged = np.flatnonzero(batch.status == "converged")
         found: dict[int, list[str]] = {}
         if _moments_only(batch.loads.scene):
-            sizes = np.linalg.norm(batch.loads.moments, axis=-1).sum(axis=-1)
-            hardest = converged[[np.argmax(sizes[converged])]] if len(converged) else converged
+            hardest = _hardest(batch, converged)
             found = {row: self.certificate.outside(batch.loads.row(row)) for row in range(len(batch))}
         else:
             hardest = converged
@@ -126,6 +127,19 @@ def listed(reasons: Iterable[str]) -> str:
     reasons = list(reasons)
     more = len(reasons) - SHOWN
     return "; ".join(reasons[:SHOWN]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _hardest(batch: BatchSolution, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Of some rows those with the largest moments, in size, about the rods' axes and across them."""
+    if not len(rows):
+        return rows
+    scene = batch.loads.scene
+    axes = np.array([scene.rod(load.rod).base.rotation[:, 0] for load in scene.moments])
+    moments = batch.loads.moments[rows]  # (b, m, 3), SCS as the axes
+    along = np.abs(np.einsum("mi,bmi->bm", axes, moments))
+    size = np.linalg.norm(moments, axis=-1)
+    across = np.sqrt(np.maximum(size**2 - along**2, 0.0))
+    return rows[np.unique([np.argmax(kind.sum(axis=1)) for kind in (size, along, across)])]
 
 
 def _moments_only(scene: Scene) -> bool:

@@ -18,6 +18,7 @@ from validation import (
     problems_newton,
     problems_passive,
     problems_stress,
+    problems_together,
 )
 from validation.cases import Case
 from validation.criteria import Finding, Limit, Verdict, judge, worst
@@ -47,6 +48,7 @@ PROBLEMS: dict[str, Callable[[Case], Outcome]] = {
     "estimated error": problems_accuracy.estimated_error,
     "model error": problems_accuracy.model_error,
     "actuated": problems_actuated.actuated,
+    "actuated rod": problems_together.actuated_rod,
     "closed tube": problems_actuated.closed_tube,
     "passive": problems_passive.passive,
     "moved": problems_motion.moved,

@@ -1,7 +1,9 @@
 """The regime of a scene: what defines it, and how hard it is, as plain words and numbers for each rod.
 
-Thin-rod numbers, with M the largest moment, EI of the weaker axis and R the outer radius: kappa_R = M R/EI,
-turn = M L/EI [rad], turn_per_element. A scene under moments alone has them before it is solved.
+Thin-rod numbers, with M and N the largest moment and force in a section, EI of the weaker axis, h the length
+of an element and R the outer radius: kappa_R = M R/EI, turn = M L/EI [rad], turn_per_element = M h/EI,
+turn_by_aspect = M h^2/(EI R), which is what elements lock by, and thrust = N L^2/EI. A scene under moments
+alone has them before it is solved.
 """
 
 from __future__ import annotations
@@ -9,11 +11,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from validation.load_numbers import families_of
+
 if TYPE_CHECKING:
     from ancf.scene import Rod, Scene
     from ancf.solution import Solution
 
-AXIAL = 1e-9  # share of a vector along (across) the rod from which it counts as having that part
 OUTLINE_POINTS = 16
 # What a scene is made of: words, each of which must have been tried.
 SETTINGS: tuple[str, ...] = (
@@ -22,17 +25,25 @@ SETTINGS: tuple[str, ...] = (
     "axial_rule",
     "shear_factors",
     "supports",
-    "moment",
-    "places",
 )
-# How hard it is: harder when larger.
-HARDNESS: tuple[str, ...] = ("poisson_ratio", "kappa_R", "turn", "turn_per_element", "strain")
+# How hard it is: harder when larger. The numbers of its loads (load_numbers.py) follow.
+HARDNESS: tuple[str, ...] = (
+    "poisson_ratio",
+    "kappa_R",
+    "turn",
+    "turn_per_element",
+    "turn_by_aspect",
+    "reference_turn",
+    "tolerance",
+    "thrust",
+    "strain",
+)
 # Problems whose cases measure the accuracy of a solved scene; the others show identities, a linear stiffness
 # or iterations, and vouch for no scene.
 ACCURATE = frozenset(
     {
-        "cross-check", "elastica", "gap rate", "helix", "published deflection", "pure bending", "rod",
-        "rubber stretch", "section stress", "uniaxial",
+        "actuated", "actuated rod", "cross-check", "elastica", "gap rate", "helix", "published deflection",
+        "pure bending", "rod", "rubber stretch", "section stress", "uniaxial",
     }
 )  # fmt: skip
 
@@ -49,7 +60,10 @@ def regimes(solution: Solution) -> list[dict[str, Any]]:
     found = []
     for model in solution.model.rods:
         here = regime_of(model.rod, solution.scene)
-        here |= _thin(model.rod, _norm(solution.section_forces(model.rod.name).moment))
+        forces = solution.section_forces(model.rod.name)
+        here |= _thin(model.rod, _norm(forces.moment))
+        EI = model.rod.material.young_modulus * model.rod.section.weaker_second_moment
+        here["thrust"] = _norm(forces.force) * model.rod.length**2 / EI
         strains = [
             section_strain(model, solution.q, *part_skin(model, part, OUTLINE_POINTS), part)
             for part in range(len(model.rod.parts))
@@ -66,65 +80,42 @@ def regime_of(rod: Rod, scene: Scene) -> dict[str, Any]:
     Returns
     -------
     element, formulation, law; loads (families); the `SETTINGS`; elements, slenderness L/R, flatness (thinnest
-    wall or side by the largest measure, 1 for a disc); poisson_ratio, and the thin-rod numbers of its
-    moments; known: whether moments are its only loads.
+    wall or side by the largest measure, 1 for a disc); poisson_ratio, the turn of the unstressed rod, the
+    solver's tolerance, and the thin-rod numbers of its moments; numbers: those of its loads, by
+    "family: name"; known: whether moments are its only loads.
     """
-    moments = [load for load in scene.moments if load.rod == rod.name and _norm(load.value)]
-    points = moments + [load for load in scene.forces if load.rod == rod.name and _norm(load.value)]
-    loads = loads_of(rod, scene)
+    moments = [load for load in scene.moments if load.rod == rod.name]
+    families = families_of(rod, scene)
     return {
         "element": rod.element,
         "formulation": rod.formulation,
         "law": _kebab(rod.material),
-        "loads": loads,
+        "loads": sorted(families),
         "section": _profile(rod),
         "reference": "curved" if _norm(rod.curvature) else "straight",
         "axial_rule": str(rod.axial_rule),
         "shear_factors": " ".join(f"{factor:.6g}" for factor in rod.shear_factors),
         "supports": ", ".join(f"{support.kind} at {support.at:g}" for support in rod.supports),
-        "moment": " and ".join(sorted({load.definition for load in moments})) or "none",
-        "places": " and ".join(sorted({_place(load) for load in points})) or "none",
         "elements": rod.elements,
         "slenderness": rod.length / rod.section.outer_radius,
         "flatness": flatness(rod),
         "poisson_ratio": float(rod.material.poisson_ratio),
+        "reference_turn": _norm(rod.curvature) * rod.length,
+        "tolerance": scene.solver.tolerance,
+        "thrust": 0.0,
         **_thin(rod, sum(_norm(load.value) for load in moments)),
-        "known": all(load.split()[-1] in ("bending", "torsion") for load in loads),
+        "numbers": {
+            f"{family}: {name}": float(value)
+            for family, numbers in families.items()
+            for name, value in numbers.items()
+        },
+        "known": all(load.split(",")[0].split()[-1] in ("bending", "torsion") for load in families),
     }
 
 
 def loads_of(rod: Rod, scene: Scene) -> list[str]:
-    """Families of the loads on a rod, "follower" in front; loads of zero are none.
-
-    bending, torsion (moments across and along the base's axis), force, axial tension, axial compression (all
-    of it along the axis, positive at the end away from it), line load, tendon, pressure, spring, foundation,
-    contact, gravity.
-    """
-    found = set()
-    axis = rod.base.rotation[:, 0]
-    for load in scene.moments:
-        size, along = _norm(load.value), float(axis @ load.value)
-        across = _norm(load.value - along * axis)
-        if load.rod == rod.name and size > 0.0:
-            kinds = ["torsion"] * (abs(along) > AXIAL * size) + ["bending"] * (across > AXIAL * size)
-            found |= {f"{_follower(load)}{kind}" for kind in kinds}
-    for load in scene.forces:
-        size, along = _norm(load.value), float(axis @ load.value)
-        if load.rod == rod.name and size > 0.0:
-            axial = _norm(load.value - along * axis) <= AXIAL * size
-            kind = ("axial tension" if along > 0.0 else "axial compression") if axial else "force"
-            found.add(f"{_follower(load)}{kind}")
-    found |= {
-        f"{_follower(load)}line load"
-        for load in scene.line_loads
-        if load.rod == rod.name and _norm(load.value)
-    }
-    found |= {"tendon" for tendon in scene.tendons if tendon.rod == rod.name and tendon.tension}
-    found |= {"pressure" for chamber in scene.pressures if chamber.rod == rod.name and chamber.value}
-    found |= {"spring" for spring in scene.springs if spring.rod == rod.name}
-    found |= {"contact" for contact in scene.contacts if rod.name in (contact.rod, contact.other)}
-    found |= {"foundation" for bed in scene.foundations if bed.rod == rod.name}
-    return sorted(found | ({"gravity"} if scene.gravity is not None else set()))
+    """Names of the families of the loads on a rod (load_numbers.py), sorted."""
+    return sorted(families_of(rod, scene))
 
 
 def flatness(rod: Rod) -> float:
@@ -143,7 +134,9 @@ def _thin(rod: Rod, moment: float) -> dict[str, float]:
     EI = rod.material.young_modulus * rod.section.weaker_second_moment
     turn = moment * rod.length / EI
     kappa_R = moment * rod.section.outer_radius / EI
-    return {"kappa_R": kappa_R, "turn": turn, "turn_per_element": turn / rod.elements}
+    each = turn / rod.elements
+    aspect = rod.length / rod.elements / rod.section.outer_radius
+    return {"kappa_R": kappa_R, "turn": turn, "turn_per_element": each, "turn_by_aspect": each * aspect}
 
 
 def _norm(vectors: Any) -> float:
@@ -151,12 +144,6 @@ def _norm(vectors: Any) -> float:
     import numpy as np
 
     return float(np.max(np.linalg.norm(vectors, axis=-1)))
-
-
-def _place(load: Any) -> str:
-    place = "the end" if load.at == 1.0 else "between the ends"
-    offset = getattr(load, "offset", None)
-    return place if offset is None or not _norm(offset) else f"{place}, off the axis"
 
 
 def _profile(rod: Rod) -> str:
@@ -167,10 +154,6 @@ def _profile(rod: Rod) -> str:
         "tapered " * part.tapered + f"{_kebab(part.section)} of {_kebab(part.material)}" for part in rod.parts
     ]
     return ", then ".join(words)
-
-
-def _follower(load: Any) -> str:
-    return "follower " if load.direction == "follower" else ""
 
 
 def _kebab(record: object) -> str:

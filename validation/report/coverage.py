@@ -9,8 +9,8 @@ from typing import Any
 
 from validation.cases import INDEPENDENCE, Case
 from validation.certificate import domain_of_run
+from validation.domain import ROD
 from validation.problems import CaseResult
-from validation.regime import HARDNESS
 from validation.runner import Run
 
 LETTERS = {
@@ -55,12 +55,21 @@ def coverage(results: Sequence[CaseResult]) -> dict[str, Any]:
 
 
 def domain_rows(run: Run) -> list[dict[str, Any]]:
-    """Domain of validity of a run, a row for each element, law and load: ranges and largest numbers."""
-    rows = []
+    """Domain of validity of a run, a row for each element, law and set of loads: ranges, largest numbers."""
+    groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for entry in domain_of_run(run):
-        most = [max(column) for column in zip(*entry["front"], strict=True)]
-        largest = dict(zip(HARDNESS, most, strict=True))
-        rows.append({**entry, "largest": largest, "sections": ", ".join(entry["tried"]["section"])})
+        groups.setdefault(tuple(entry[key] for key in (*ROD, "loads")), []).append(entry)
+    rows = []
+    for names, entries in groups.items():
+        row: dict[str, Any] = dict(zip((*ROD, "loads"), names, strict=True))
+        for key in ("slenderness", "poisson_ratio", "elements"):
+            row[key] = [min(entry[key][0] for entry in entries), max(entry[key][1] for entry in entries)]
+        row["sections"] = ", ".join(sorted({entry["section"] for entry in entries}))
+        row["largest"] = {}
+        for entry in entries:
+            for name, column in zip(entry["numbers"], zip(*entry["front"], strict=True), strict=True):
+                row["largest"][name] = max(row["largest"].get(name, 0.0), *column)
+        rows.append(row)
     return rows
 
 

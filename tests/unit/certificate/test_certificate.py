@@ -35,7 +35,7 @@ def test_it_is_an_in_toto_test_result(statement):
     names = [entry["name"] for entry in statement["subject"]]
     assert "ancf/energy.py" in names and names == sorted(names)
     assert {"python", "numpy", "scikit-fem", "system"} <= set(predicate["environment"])
-    assert [entry["load"] for entry in predicate["domain"]] == ["bending"]
+    assert [entry["loads"] for entry in predicate["domain"]] == ["bending"]
 
 
 # --- the code changes under a certificate ---------------------------------------------------------------
