@@ -8,6 +8,7 @@ from typing import Any
 KIND_TEXT = {
     "equivariant": "closed form of the thin arm plus a residual network with the arm's symmetry built in",
     "cnn": "the paper's CNN (fig. 6): convolution, pooling, dense layers on the 3 x 4 image of the pose",
+    "mlp": "perceptron of three hidden layers of 96 on the raw 3 x 4 pose",
     "polynomial": "cubic polynomial in position and unwrapped logarithm of the rotation",
 }
 SET_TEXT = {
@@ -53,11 +54,13 @@ def model_card(record: Mapping[str, Any]) -> str:
     lines += [
         "",
         f"Error radius at {100 * radius['level']:g} % (split conformal, {radius['rows']} rows):"
-        f" {radius['position']:.3g} m of the tip, {radius['moment']:.3g} N m. It holds for poses of the"
-        " design of the data, not for disturbed or other ones.",
+        f" {radius['position']:.3g} m of the tip, {radius['moment']:.3g} N m. It holds for poses anywhere"
+        " in the"
+        f" box, for {100 * radius['level']:g} +- {100 * radius['deviation']:.1f} of 100, not for disturbed"
+        " ones.",
     ]
     if record.get("leak"):
-        lines += ["", f"WARNING: {record['leak']}. The error radius, too, is that of the training design."]
+        lines += ["", f"WARNING: {record['leak']}."]
     training = record["training"]
     lines += [
         "",

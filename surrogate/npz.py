@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
-import tempfile
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surrogate.whole_file import write_bytes
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -35,22 +35,6 @@ def write(path: Path, arrays: Mapping[str, NDArray]) -> Path:
             np.lib.format.write_array(content, _canonical(arrays[name]), version=(1, 0), allow_pickle=False)
             archive.writestr(member, content.getvalue())
     return write_bytes(path, packed.getvalue())
-
-
-def write_bytes(path: Path, content: bytes) -> Path:
-    """Write a file through a temporary one beside it, which the disk has taken before the name is given."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-    return path
 
 
 def read(path: Path) -> dict[str, NDArray]:

@@ -1,0 +1,141 @@
+"""What a model of the inverse saves, in solved equilibria and in milliseconds, and what it has cost.
+
+The alternatives need no data: the closed form of the thin arm, and Levenberg-Marquardt on the equilibria from
+there (`exact_inverse`). Times are CPU times of one core on the machine that measured them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.inverse import closed_form, exact_inverse, gauss_newton
+from surrogate.problem import Problem, Samples
+
+Floats = NDArray[np.float64]
+
+POSES = 50  # that are inverted one by one for a time
+
+
+def worth(
+    problem: Problem,
+    samples: Samples,
+    models: Sequence[Mapping[str, Any]],
+    start: Mapping[str, Mapping[str, float]],
+    calibration_rows: int,
+) -> dict[str, Any]:
+    """Times of the alternatives, what the best model saves against them, when it has paid, and that in words.
+
+    Parameters
+    ----------
+    samples : poses of an independent design, with their moments
+    models, start : as `surrogate.compare.compare` returns them; the best has the smallest error off the grid
+
+    Returns
+    -------
+    Plain data; `text` holds the sentences. Times in milliseconds a pose.
+    """
+    arm, few = problem.arm, samples.taken(np.arange(min(POSES, len(samples))))
+    learned = [m for m in models if m["kind"] != "closed form"]
+    best = min(learned, key=lambda m: m["sets"]["off_grid"]["tip_percent"]["mean"]["mean"])
+    straight, thin = np.zeros_like(few.moments), closed_form(arm, few.poses)
+    rows = samples.moments
+    found = {
+        "best": best["kind"],
+        "best_percent": best["sets"]["off_grid"]["tip_percent"]["mean"]["mean"],
+        "model_ms": 1e3 * best["latency"]["p50"],
+        "solve_ms": _each(lambda k: arm.solve(few.moments[k : k + 1]), len(few)),
+        "solve_in_batch_ms": _each(lambda _: arm.solve(rows), 3) / len(rows),
+        "step_ms": _each(lambda k: gauss_newton(arm, few.poses[k : k + 1], thin[k : k + 1]), len(few)),
+        "inverse_ms": {
+            name: _each(
+                lambda k, guess=guess: exact_inverse(arm, few.poses[k], guess=guess[k : k + 1]), len(few)
+            )
+            for name, guess in (("straight arm", straight), ("closed form", thin))
+        },
+        "solves": {name: entry["mean"] for name, entry in start.items()} | {"best": best["solves"]["mean"]},
+        "data_solves": len(problem.all) + calibration_rows,
+        "training_seconds": best["training_cpu_seconds"] / best["seeds"],
+    }
+    closed = next((m for m in models if m["kind"] == "closed form"), None)
+    found["closed_form_percent"] = closed and closed["sets"]["off_grid"]["tip_percent"]["mean"]["mean"]
+    found["closed_form_ms"] = closed and 1e3 * closed["latency"]["p50"]
+    cost = 1e-3 * found["data_solves"] * found["solve_in_batch_ms"] + found["training_seconds"]
+    found["cost_seconds"] = cost
+    exact = found["inverse_ms"]["closed form"]
+    saved = {name: found["solves"][name] - found["solves"]["best"] for name in start}
+    found["saved_solves"] = saved
+    # A saved solve of the search comes with its sensitivities; unrefined, the whole search is saved.
+    guess_ms = saved["closed form"] * found["step_ms"] - found["model_ms"]
+    found["pays_after"] = {
+        "unrefined": _poses(cost, exact - found["model_ms"]),
+        "as a guess": _poses(cost, guess_ms),
+    }
+    return {**found, "text": sentences(found)}
+
+
+def sentences(found: Mapping[str, Any]) -> list[str]:
+    """When a surrogate is worth having and when it is not, with the numbers of `worth`."""
+    solves, saved, inverse = found["solves"], found["saved_solves"], found["inverse_ms"]
+    best, factor = found["best"], inverse["closed form"] / found["model_ms"]
+    pays, thin = found["pays_after"], ""
+    if found["closed_form_percent"] is not None:
+        thin = (
+            f" The closed form of the thin arm costs no data and {1e3 * found['closed_form_ms']:.0f} us; it"
+            " errs by"
+            f" {found['closed_form_percent']:.2g} % of L."
+        )
+    guess = (
+        f"after {pays['as a guess']:,.0f} poses"
+        if pays["as a guess"] is not None
+        else "never: it saves no time"
+    )
+    return [
+        f"The exact inverse, Levenberg-Marquardt on the equilibria, needs {solves['closed form']:.2f}"
+        " solves from"
+        f" the closed form and {solves['straight arm']:.2f} from the straight arm,"
+        f" {inverse['closed form']:.2g} and"
+        f" {inverse['straight arm']:.2g} ms a pose; from the answer of the best model ({best})"
+        f" {solves['best']:.2f} solves. As its first guess the model saves {saved['closed form']:.2f}"
+        " solves against"
+        f" the closed form and {saved['straight arm']:.2f} against no guess, each {found['step_ms']:.2g} ms"
+        " with its"
+        " sensitivities.",
+        f"The model's own answer takes {1e3 * found['model_ms']:.0f} us, {factor:.0f} times less than the"
+        " exact"
+        f" inverse, and errs by {found['best_percent']:.2g} % of L in the mean.{thin}",
+        f"It cost {found['data_solves']} solves ({found['solve_in_batch_ms']:.2g} ms each in a batch,"
+        f" {found['solve_ms']:.2g} ms one by one) and {found['training_seconds']:.2g} s of training."
+        " Against the"
+        f" exact inverse that is paid back after {pays['unrefined'] or float('inf'):,.0f} unrefined"
+        " answers; as a"
+        f" first guess {guess}.",
+        "Worth having: where an answer is wanted in microseconds, many thousand times, for one arm, inside"
+        " the box"
+        " and from clean poses; or where the arm has no closed form and no start is at hand.",
+        "Not worth having: where a few milliseconds do not matter; where poses are measured (noise of the"
+        " pose"
+        " decides then, not the model), out of reach, or outside the box; where load, length or material"
+        " change,"
+        " as each arm needs data of its own. There the exact inverse is better, and it alone tells whether"
+        " a pose"
+        " can be reached.",
+    ]
+
+
+def _poses(cost: float, saved_ms: float) -> float | None:
+    """Number of poses after which a cost [s] is paid back; None where nothing is saved."""
+    return cost / (1e-3 * saved_ms) if saved_ms > 0.0 else None
+
+
+def _each(call: Any, count: int) -> float:
+    """CPU time [ms] of one of `count` calls with their numbers, after one that warms up."""
+    call(0)
+    begin = time.process_time()
+    for number in range(count):
+        call(number)
+    return 1e3 * (time.process_time() - begin) / count
