@@ -134,8 +134,8 @@ def study(
 ) -> None:
     """Measure everything that the chapter "The surrogate" of `ancf report` shows; takes some minutes.
 
-    Makes the data of both presets, runs `compare` and `reproduce` on them. Writes study.json, fig4.png ..
-    fig11.png and both data sets. JSON: study.json.
+    Makes the data of both presets, runs `compare` and `reproduce` on them. Writes study.json and fig4.png ..
+    fig11.png. JSON: study.json.
 
     Exit code 0: done. 2: the input is wrong. 4: no valid certificate.
     """
@@ -146,9 +146,8 @@ def study(
     from surrogate.whole_file import write_text, writing
     from validation.certificate import NotValidated
 
-    folder = check_folder(out)
     try:
-        with writing(folder), warnings.catch_warnings():
+        with writing(check_folder(out)) as folder, warnings.catch_warnings():
             warnings.simplefilter("ignore", LeakWarning)  # it stands in the record
             record = measure(
                 folder, range(seeds), epochs, count=count, allow_unvalidated=allow_unvalidated, told=_tell

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.conformal import calibrated, calibration, coverage
-from surrogate.evaluate import Scores, designs, latency, leak_guard, score, slab
+from surrogate.evaluate import Designs, Scores, designs, latency, leak_guard, score, slab
 from surrogate.fit import BASELINES, CLOSED_FORM_KINDS, KINDS, AnyModel, Fit, fit
 from surrogate.inverse import Inverse, closed_form, exact_inverse, gauss_newton, pose_mismatch
 from surrogate.problem import Problem, Samples, box_design, solved
@@ -34,32 +34,83 @@ def compare(
 
     Returns
     -------
-    Plain data: models[] = {kind, parameters, seeds, training_cpu_seconds, latency, sets {name: {tip_percent,
-    ...}}, coverage, solves, gauss_newton, leak}, each number of a set with its mean and deviation over the
-    seeds; `start` = equilibria solved by the exact inverse from the straight arm and from the closed form;
-    `auroc` of reachability; `worth` (worth.py).
+    Plain data: models[] as `compare_errors` gives them, with coverage, solves and gauss_newton; `start` =
+    equilibria solved by the exact inverse from the straight arm and from the closed form; `auroc` of
+    reachability; `worth` (worth.py).
 
     Notes
     -----
     `epochs` shortens the trainings of networks, for tests.
     """
     sets = designs(problem)
-    gap = problem.without(slab(problem.bounds))
     calibrating, fresh = calibration(problem), solved(problem.arm, box_design(problem.bounds, COVERED, 31))
     few = sets.off_grid.taken(np.arange(min(ROWS, len(sets.off_grid))))
     models = []
+    for fitted, errors in _errors(problem, sets, seeds, epochs, kinds):
+        guess = fitted.models[0].predict(few.poses)
+        more = {
+            "coverage": _coverage(fitted.models, problem, calibrating, fresh),
+            "solves": _solves(problem, few, guess),
+            "gauss_newton": [_stepped(problem, few, guess, steps) for steps in (1, 2)],
+        }
+        models.append({**errors, **more})
+    start = {
+        "straight arm": _solves(problem, few, np.zeros_like(few.moments)),
+        "closed form": _solves(problem, few, closed_form(problem.arm, few.poses)),
+    }
+    return {
+        **_head(problem),
+        "calibration_rows": len(calibrating),
+        "models": models,
+        "start": start,
+        "auroc": reachability(problem),
+        "worth": worth(problem, few, models, start, len(calibrating)),
+    }
+
+
+def compare_errors(
+    problem: Problem,
+    seeds: Sequence[int] = SEEDS,
+    epochs: int | None = None,
+    kinds: Sequence[str] = ALL_KINDS,
+) -> dict[str, Any]:
+    """The errors of `compare` alone.
+
+    Returns
+    -------
+    Plain data: models[] = {kind, seeds, parameters, training_cpu_seconds, latency, sets {name: {tip_percent,
+    ...}}, leak}, each number of a set with its mean and deviation over the seeds.
+    """
+    found = _errors(problem, designs(problem), seeds, epochs, kinds)
+    return {**_head(problem), "models": [errors for _, errors in found]}
+
+
+def _head(problem: Problem) -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "data": problem.name,
+        "certificate": problem.certificate,
+        "training_rows": len(problem.train),
+    }
+
+
+def _errors(
+    problem: Problem, sets: Designs, seeds: Sequence[int], epochs: int | None, kinds: Sequence[str]
+) -> Iterator[tuple[Fit, dict[str, Any]]]:
+    """Each kind fitted, and its errors on all sets."""
+    rest, cut = problem.without(slab(problem.bounds))
     for kind in kinds:
         if kind in CLOSED_FORM_KINDS and problem.arm.without_closed_form:
             continue
-        fitted, without = fit(problem, kind, seeds, epochs), fit(gap[0], kind, seeds, epochs)
+        fitted, without = fit(problem, kind, seeds, epochs), fit(rest, kind, seeds, epochs)
         found = {
             name: [score(m.predict, problem.arm, samples, problem.deviation) for m in fitted.models]
             for name, samples in sets.named().items()
         }
-        found["slab"] = [score(m.predict, problem.arm, gap[1], gap[0].deviation) for m in without.models]
-        guess = fitted.models[0].predict(few.poses)
+        found["slab"] = [score(m.predict, problem.arm, cut, rest.deviation) for m in without.models]
         p50, p99 = latency(fitted.models[0].predict, sets.split.poses)
-        models.append(
+        yield (
+            fitted,
             {
                 "kind": kind,
                 "seeds": len(fitted.models),
@@ -67,27 +118,9 @@ def compare(
                 "training_cpu_seconds": fitted.seconds,
                 "latency": {"p50": p50, "p99": p99},
                 "sets": {name: _spread(scores) for name, scores in found.items()},
-                "coverage": _coverage(fitted.models, problem, calibrating, fresh),
-                "solves": _solves(problem, few, guess),
-                "gauss_newton": [_stepped(problem, few, guess, steps) for steps in (1, 2)],
                 "leak": leak_guard(found["split"][0], found["off_grid"][0], kind),
-            }
+            },
         )
-    start = {
-        "straight arm": _solves(problem, few, np.zeros_like(few.moments)),
-        "closed form": _solves(problem, few, closed_form(problem.arm, few.poses)),
-    }
-    return {
-        "schema": 1,
-        "data": problem.name,
-        "certificate": problem.certificate,
-        "training_rows": len(problem.train),
-        "calibration_rows": len(calibrating),
-        "models": models,
-        "start": start,
-        "auroc": reachability(problem),
-        "worth": worth(problem, few, models, start, len(calibrating)),
-    }
 
 
 def reachability(problem: Problem, rows: int = 60, seed: int = 5) -> float:

@@ -31,9 +31,9 @@ def compare_text(record: Mapping[str, Any]) -> str:
         lines.append(f"| {model['kind']} ({model['seeds']}) | {' | '.join(cells)} |")
     lines += ["", *(f"* {name}: {SET_TEXT[name]}" for name in sets), ""]
     lines += [
-        "| model | parameters | degrees | R^2 | MSE, N^2 m^2 | MSE, z-units | training, s | p50, us | p99, us"
-        " | coverage at 95 % | radius, % of L | solves to converge | after one, two Gauss-Newton steps, max"
-        " % |",
+        "| model | parameters | degrees | R^2 | MSE, N^2 m^2 | MSE, z-units | training, s | p50, us | p99,"
+        " us | coverage at 95 % | radius, % of L | solves to converge | after one, two Gauss-Newton steps,"
+        " max % |",
         "|---" * 13 + "|",
     ]
     for model in record["models"]:
@@ -42,17 +42,15 @@ def compare_text(record: Mapping[str, Any]) -> str:
         lines.append(
             f"| {model['kind']} | {model['parameters']} | {off['angle_degrees']['mean']['mean']:.2g} |"
             f" {off['r2']['mean']:.6f} | {off['mse']['mean']:.2g} | {off['mse_z']['mean']:.2g} |"
-            f" {model['training_cpu_seconds']:.2g} |"
-            f" {1e6 * model['latency']['p50']:.0f} | {1e6 * model['latency']['p99']:.0f} |"
-            f" {100 * model['coverage']['position']:.1f} % | {model['coverage']['radius_percent']:.2g} |"
-            f" {model['solves']['mean']:.2f} | {stepped} |"
+            f" {model['training_cpu_seconds']:.2g} | {1e6 * model['latency']['p50']:.0f} |"
+            f" {1e6 * model['latency']['p99']:.0f} | {100 * model['coverage']['position']:.1f} % |"
+            f" {model['coverage']['radius_percent']:.2g} | {model['solves']['mean']:.2f} | {stepped} |"
         )
     deviation = 100 * record["models"][0]["coverage"]["deviation"]
     lines += [
         "",
-        "Training: all seeds together, CPU time of one core. Error radius from"
-        f" {record['calibration_rows']} rows"
-        f" of their own; coverage on new rows is 95 +- {deviation:.1f} %.",
+        f"Training: all seeds together, CPU time of one core. Error radius from {record['calibration_rows']}"
+        f" rows of their own; coverage on new rows is 95 +- {deviation:.1f} %.",
         f"Reachability by the converged mismatch and the bounds: AUROC {record['auroc']:.4f}.",
         "",
         "## Is a surrogate worth having?",

@@ -16,11 +16,12 @@ from surrogate.problem import Problem, Samples, random_split
 
 Floats = NDArray[np.float64]
 
-FOLDS, EPOCHS, BATCH = 5, 100, 64
-# The range of moments at which the published errors are met best: 20 units are this many E I/L. The paper
-# prints neither range nor stiffness. Ratios to the published errors, three seeds: 2.4 E I/L .7 to 2.0; 2.2
-# .3 to 1.4; 2.0 .4 to 2.0; 1.0 .04 to .3.
-TABLE_RANGE = 2.4
+FOLDS, EPOCHS = 5, 100
+# The print names neither batch nor range of moments of the table. The batch is TensorFlow's default, and the
+# range (20 units are this many E I/L) the one that meets errors and order of the print; mean of five seeds.
+# Neighbours of it: 2.6 and 2.8 give the order within the scatter of seeds, 2.4 and 2.9 put model 4 before 1;
+# with a batch of 64 model 3 comes last up to 2.7, and 4 before 1 from 2.8 on; below 2 all errors are too small.
+BATCH, TABLE_RANGE = 32, 2.7
 
 
 @dataclass(frozen=True, eq=False)

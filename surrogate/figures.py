@@ -31,5 +31,5 @@ def save_figure(figure: Figure, path: Path, certificate: str) -> None:
     if certificate == UNVALIDATED:
         figure.text(0.5, 0.5, UNVALIDATED, ha="center", va="center", fontsize=40, color=RED, alpha=0.25)
     content = io.BytesIO()
-    figure.savefig(content, format=path.suffix[1:], dpi=150)
+    figure.savefig(content, format=path.suffix[1:], dpi=120)
     write_bytes(path, content.getvalue())

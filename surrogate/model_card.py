@@ -39,8 +39,8 @@ def model_card(record: Mapping[str, Any]) -> str:
         " can be reached; `ancf invert` tells by solving the equilibrium.",
         "",
         "## Errors, in closed loop (moments solved again by ANCF)",
-        "| poses | rows | tip error, % of L: mean, median, p95, max | degrees, mean | MSE N^2 m^2 | MSE z"
-        " | R^2 |",
+        "| poses | rows | tip error, % of L: mean, median, p95, max | degrees, mean | MSE N^2 m^2 | MSE z |"
+        " R^2 |",
         "|---|---|---|---|---|---|---|",
     ]
     for name, s in record["scores"].items():
@@ -54,10 +54,9 @@ def model_card(record: Mapping[str, Any]) -> str:
     lines += [
         "",
         f"Error radius at {100 * radius['level']:g} % (split conformal, {radius['rows']} rows):"
-        f" {radius['position']:.3g} m of the tip, {radius['moment']:.3g} N m. It holds for poses anywhere"
-        " in the"
-        f" box, for {100 * radius['level']:g} +- {100 * radius['deviation']:.1f} of 100, not for disturbed"
-        " ones.",
+        f" {radius['position']:.3g} m of the tip, {radius['moment']:.3g} N m. It holds for poses anywhere in"
+        f" the box, for {100 * radius['level']:g} +- {100 * radius['deviation']:.1f} of 100, not for"
+        " disturbed ones.",
     ]
     if record.get("leak"):
         lines += ["", f"WARNING: {record['leak']}."]
@@ -67,8 +66,8 @@ def model_card(record: Mapping[str, Any]) -> str:
         "## Training",
         f'{training["rows"]} rows of the data set "{record["data"]}", seed {training["seed"]},'
         f" {training['cpu_seconds']:.1f} s of one core. Equal seeds give equal weights on one machine.",
-        f"One pose takes {1e6 * record['latency']['p50']:.0f} us (p50),"
-        f" {1e6 * record['latency']['p99']:.0f} us (p99), in NumPy.",
+        f"One pose takes {1e6 * record['latency']['p50']:.0f} us (p50), {1e6 * record['latency']['p99']:.0f}"
+        " us (p99), in NumPy.",
         "",
     ]
     return "\n".join(lines)

@@ -28,13 +28,12 @@ FIGURES = {
     "fig10": (
         "Trajectory through ANCF",
         "The trajectory and the one of ANCF under the CNN's moments; the deviations, centimetres below z ="
-        " 0.2 m,"
-        " are put down to few samples there and to the constant-curvature model.",
+        " 0.2 m, are put down to few samples there and to the constant-curvature model.",
     ),
     "fig11": (
         "Five-fold cross-validation",
-        "Training losses of all networks and folds, larger networks in darker red; mean and deviation of"
-        " the MSE.",
+        "Training losses of all networks and folds, larger networks in darker red; mean and deviation of the"
+        " MSE.",
     ),
 }
 
@@ -59,7 +58,11 @@ DECISIONS = (
         "not printed; MSE > 1 excludes z-scores",
         "units of which the largest moment has 20",
     ),
-    ("batch of the five-fold table", "not printed", "64, as for the main CNN"),
+    (
+        "batch of the five-fold table",
+        "not printed",
+        "32, the default of TensorFlow; the main CNN has the printed 64",
+    ),
     ("start of the weights", "not printed", "Glorot's uniform, zero biases: the defaults of TensorFlow"),
     ("eq. 47, entry (2,2)", "cos^2 phi: no rotation", "sin^2 phi"),
     (

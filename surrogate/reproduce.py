@@ -74,13 +74,11 @@ def _figures(record: Mapping[str, Any], problem: Problem) -> list[dict[str, str]
         "fig7": f"After {main['epochs']} epochs {main['training_mse_units2']:.2g} (training) and"
         f" {main['validation_mse_units2']:.2g} (validation) units^2, 20 units being the largest moment.",
         "fig8": f"Mean absolute errors {error} N mm; R^2 {min(main['test_r2']):.4f} and more. The split is"
-        " drawn from"
-        " the training grid, so this says nothing about poses between its points.",
+        " drawn from the training grid, so this says nothing about poses between its points.",
         "fig9": "As far as the moments of the data bend the arm; eq. 47 with sin^2 phi in (2,2).",
         "fig10": f"Tip error {tip['mean']:.2g} % of L in the mean, {tip['max']:.2g} % at most. The exact"
-        " inverse comes"
-        f" within {exact['max']:.1g} %: the centimetres are the network's and its training grid's, not the"
-        " models'.",
+        f" inverse comes within {exact['max']:.1g} %: the centimetres are the network's and its training"
+        " grid's, not the models'.",
         "fig11": f"{table['trainings']} networks; 20 units at {table['range_EI_by_L']:.2g} E I/L. See table"
         " 1.",
     }
@@ -132,13 +130,13 @@ def report(record: Mapping[str, Any]) -> str:
         f" {', '.join(f'{value:.5f}' for value in main['test_r2'])}. That split is drawn from the training"
         " grid and hides the error off it: `ancf train` measures both.",
         "",
-        f"Trajectory (fig. 9, 10): tip error mean {tip['mean']:.3g}, p95 {tip['p95']:.3g},"
-        f" max {tip['max']:.3g} % of L. The exact inverse comes within {exact['mean']:.2g} %"
-        f" (max {exact['max']:.2g}): the constant-curvature model and ANCF differ by the thickness of the arm"
+        f"Trajectory (fig. 9, 10): tip error mean {tip['mean']:.3g}, p95 {tip['p95']:.3g}, max"
+        f" {tip['max']:.3g} % of L. The exact inverse comes within {exact['mean']:.2g} % (max"
+        f" {exact['max']:.2g}): the constant-curvature model and ANCF differ by the thickness of the arm"
         " alone, and the centimetres of the paper's fig. 10 are the network's.",
         "",
-        f"Eq. 47: largest entry of R^T R - I is {eq47['printed']:.3g} as printed,"
-        f" {eq47['corrected']:.1g} with sin^2 phi in (2,2).",
+        f"Eq. 47: largest entry of R^T R - I is {eq47['printed']:.3g} as printed, {eq47['corrected']:.1g}"
+        " with sin^2 phi in (2,2).",
         "",
     ]
     for key, title in (
@@ -148,8 +146,8 @@ def report(record: Mapping[str, Any]) -> str:
         table = record[key]
         lines += [
             f"## {title}",
-            f"{table['trainings']} trainings as one stack, {table['cpu_seconds']:.1f} s of one core; mean and"
-            " deviation over folds and seeds.",
+            f"{table['trainings']} trainings as one stack, {table['cpu_seconds']:.1f} s of one core; mean"
+            " and deviation over folds and seeds.",
             "",
             "| model | size | published size | MSE, units^2 | published | ratio | N^2 m^2 | z-units | R^2 |",
             "|---|---|---|---|---|---|---|---|---|",

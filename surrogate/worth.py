@@ -40,13 +40,14 @@ def worth(
     Plain data; `text` holds the sentences. Times in milliseconds a pose.
     """
     arm, few = problem.arm, samples.taken(np.arange(min(POSES, len(samples))))
-    learned = [m for m in models if m["kind"] != "closed form"]
-    best = min(learned, key=lambda m: m["sets"]["off_grid"]["tip_percent"]["mean"]["mean"])
+    known = {m["kind"]: m for m in models}
+    learned = {kind: m for kind, m in known.items() if kind not in ("closed form", "polynomial, 400 solves")}
+    best = min(learned.values(), key=_percent)
     straight, thin = np.zeros_like(few.moments), closed_form(arm, few.poses)
     rows = samples.moments
     found = {
         "best": best["kind"],
-        "best_percent": best["sets"]["off_grid"]["tip_percent"]["mean"]["mean"],
+        "best_percent": _percent(best),
         "model_ms": 1e3 * best["latency"]["p50"],
         "solve_ms": _each(lambda k: arm.solve(few.moments[k : k + 1]), len(few)),
         "solve_in_batch_ms": _each(lambda _: arm.solve(rows), 3) / len(rows),
@@ -61,9 +62,15 @@ def worth(
         "data_solves": len(problem.all) + calibration_rows,
         "training_seconds": best["training_cpu_seconds"] / best["seeds"],
     }
-    closed = next((m for m in models if m["kind"] == "closed form"), None)
-    found["closed_form_percent"] = closed and closed["sets"]["off_grid"]["tip_percent"]["mean"]["mean"]
-    found["closed_form_ms"] = closed and 1e3 * closed["latency"]["p50"]
+    networks = [m for m in learned.values() if m["kind"] not in ("polynomial", "rbf")]
+    for name, model in (("closed form", known.get("closed form")), ("network", min(networks, key=_percent))):
+        if model is not None:
+            found[name] = {
+                "kind": model["kind"],
+                "percent": _percent(model),
+                "ms": 1e3 * model["latency"]["p50"],
+                "training_seconds": model["training_cpu_seconds"] / model["seeds"],
+            }
     cost = 1e-3 * found["data_solves"] * found["solve_in_batch_ms"] + found["training_seconds"]
     found["cost_seconds"] = cost
     exact = found["inverse_ms"]["closed form"]
@@ -81,50 +88,51 @@ def worth(
 def sentences(found: Mapping[str, Any]) -> list[str]:
     """When a surrogate is worth having and when it is not, with the numbers of `worth`."""
     solves, saved, inverse = found["solves"], found["saved_solves"], found["inverse_ms"]
-    best, factor = found["best"], inverse["closed form"] / found["model_ms"]
-    pays, thin = found["pays_after"], ""
-    if found["closed_form_percent"] is not None:
-        thin = (
-            f" The closed form of the thin arm costs no data and {1e3 * found['closed_form_ms']:.0f} us; it"
-            " errs by"
-            f" {found['closed_form_percent']:.2g} % of L."
-        )
-    guess = (
-        f"after {pays['as a guess']:,.0f} poses"
-        if pays["as a guess"] is not None
-        else "never: it saves no time"
+    thin_ms, straight_ms, network = inverse["closed form"], inverse["straight arm"], found["network"]
+    own = (
+        f"The model's own answer takes {1e3 * found['model_ms']:.0f} us, {thin_ms / found['model_ms']:.0f}"
+        f" times less than the exact inverse, and errs by {found['best_percent']:.2g} % of L in the mean."
     )
+    if "closed form" in found:
+        closed = found["closed form"]
+        own += (
+            f" The closed form takes {1e3 * closed['ms']:.0f} us and no data, and errs by"
+            f" {closed['percent']:.2g} %."
+        )
+    if network["kind"] != found["best"]:
+        own += (
+            f" A network is not needed for that: the best one ({network['kind']}) errs by"
+            f" {network['percent']:.2g} % after {network['training_seconds']:.2g} s of training."
+        )
     return [
-        f"The exact inverse, Levenberg-Marquardt on the equilibria, needs {solves['closed form']:.2f}"
-        " solves from"
-        f" the closed form and {solves['straight arm']:.2f} from the straight arm,"
-        f" {inverse['closed form']:.2g} and"
-        f" {inverse['straight arm']:.2g} ms a pose; from the answer of the best model ({best})"
-        f" {solves['best']:.2f} solves. As its first guess the model saves {saved['closed form']:.2f}"
-        " solves against"
-        f" the closed form and {saved['straight arm']:.2f} against no guess, each {found['step_ms']:.2g} ms"
-        " with its"
-        " sensitivities.",
-        f"The model's own answer takes {1e3 * found['model_ms']:.0f} us, {factor:.0f} times less than the"
-        " exact"
-        f" inverse, and errs by {found['best_percent']:.2g} % of L in the mean.{thin}",
-        f"It cost {found['data_solves']} solves ({found['solve_in_batch_ms']:.2g} ms each in a batch,"
-        f" {found['solve_ms']:.2g} ms one by one) and {found['training_seconds']:.2g} s of training."
-        " Against the"
-        f" exact inverse that is paid back after {pays['unrefined'] or float('inf'):,.0f} unrefined"
-        " answers; as a"
-        f" first guess {guess}.",
-        "Worth having: where an answer is wanted in microseconds, many thousand times, for one arm, inside"
-        " the box"
-        " and from clean poses; or where the arm has no closed form and no start is at hand.",
-        "Not worth having: where a few milliseconds do not matter; where poses are measured (noise of the"
-        " pose"
-        " decides then, not the model), out of reach, or outside the box; where load, length or material"
-        " change,"
-        " as each arm needs data of its own. There the exact inverse is better, and it alone tells whether"
-        " a pose"
-        " can be reached.",
+        f"The exact inverse, Levenberg-Marquardt on the equilibria, needs {solves['closed form']:.2f} solves"
+        f" ({thin_ms:.2g} ms a pose) from the closed form of the thin arm and {solves['straight arm']:.2f}"
+        f" ({straight_ms:.2g} ms) from the straight arm; from the answer of the best model ({found['best']})"
+        f" {solves['best']:.2f}. As a first guess the model saves {saved['closed form']:.2f} solves against"
+        f" the closed form and {saved['straight arm']:.2f} against none, each {found['step_ms']:.2g} ms with"
+        " its sensitivities.",
+        own,
+        f"The model cost {found['data_solves']} solves, {found['solve_in_batch_ms']:.2g} ms each in a batch"
+        f" ({found['solve_ms']:.2g} ms one by one), and {found['training_seconds']:.2g} s of training."
+        " Against the exact inverse its unrefined answers pay that back"
+        f" {_after(found['pays_after']['unrefined'])}, its answers as first guesses"
+        f" {_after(found['pays_after']['as a guess'])}.",
+        "Worth having: where answers are wanted in microseconds, thousands of them, for one arm, inside the"
+        " box and for clean poses; or where the arm has no closed form from which a search could start.",
+        "Not worth having: where a few milliseconds do not matter; where poses are measured, as their noise"
+        " then decides and not the model; where they may be out of reach or outside the box; where loads,"
+        " length or material change, as each arm needs data of its own. There the exact inverse is better,"
+        " and it alone tells whether a pose can be reached.",
     ]
+
+
+def _after(poses: float | None) -> str:
+    return "never" if poses is None else f"after {poses:,.0f} poses"
+
+
+def _percent(model: Mapping[str, Any]) -> float:
+    """Mean tip error off the grid, % of L."""
+    return model["sets"]["off_grid"]["tip_percent"]["mean"]["mean"]
 
 
 def _poses(cost: float, saved_ms: float) -> float | None:

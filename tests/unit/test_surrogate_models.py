@@ -12,11 +12,13 @@ import pytest
 
 import ancf
 from ancf.cli import main
+from surrogate.architecture import MAIN_CNN, RAW_MLP
 from surrogate.arm import Arm, paper_arm
 from surrogate.baselines import Polynomial
 from surrogate.crossval import cross_validate, rescaled
 from surrogate.dataset import load
 from surrogate.equivariant import RESIDUAL_MLP, EquivariantNetwork
+from surrogate.fit import BASELINES
 from surrogate.model_file import (
     RECORD,
     WEIGHTS,
@@ -62,12 +64,14 @@ ARM = paper_arm(elements=4, element="3333")
 KEPT = {"scene": SCENE, "moment_range": [[-0.02, 0.02]] * 3, "certificate": "UNVALIDATED"}
 
 
-def cnn(seed=0):
-    from surrogate.architecture import MAIN_CNN
-
+def cnn(seed=0, architecture=MAIN_CNN):
     rng = np.random.default_rng(seed)
     normaliser = Normaliser(rng.normal(size=12), rng.uniform(0.5, 2.0, 12))
-    return PoseNetwork(MAIN_CNN, rng.normal(size=MAIN_CNN.parameters), normaliser, 1e-3)
+    return PoseNetwork(architecture, rng.normal(size=architecture.parameters), normaliser, 1e-3)
+
+
+def mlp():
+    return cnn(6, RAW_MLP)
 
 
 def equivariant():
@@ -80,7 +84,7 @@ def poses():
     return ARM.solve(box_design(np.outer(np.ones(3), [-0.02, 0.02]), 16, 3)).poses
 
 
-@pytest.mark.parametrize("model", [cnn(), equivariant()], ids=["cnn", "equivariant"])
+@pytest.mark.parametrize("model", [cnn(), mlp(), equivariant()], ids=["cnn", "mlp", "equivariant"])
 def test_a_model_comes_back_as_it_was(model, poses, tmp_path):
     save(tmp_path, model, KEPT)
     again = load_model(tmp_path)
@@ -166,12 +170,13 @@ FOLLOWER = Arm.of(
     ("model", "arm"),
     [
         (cnn(2), ARM),
+        (mlp(), ARM),
         (equivariant(), ARM),
         (EquivariantNetwork(FOLLOWER, equivariant().flat, np.array([1.0, 2.0]), 0.1), FOLLOWER),
         (polynomial(), ARM),
         (polynomial(FOLLOWER), FOLLOWER),
     ],
-    ids=["cnn", "equivariant", "equivariant, follower", "polynomial", "polynomial, follower"],
+    ids=["cnn", "mlp", "equivariant", "equivariant, follower", "polynomial", "polynomial, follower"],
 )
 def test_the_onnx_graph_agrees_with_numpy(model, arm):
     """By the reference evaluator of the package onnx: metres in, newton metres out; |v| up to 4."""
@@ -202,7 +207,7 @@ def test_data_without_certificate_are_refused(data, capsys, tmp_path):
     assert main(["crossval", str(data)]) == 4
 
 
-@pytest.mark.parametrize("kind", ["polynomial", "equivariant", "cnn"])
+@pytest.mark.parametrize("kind", ["polynomial", "equivariant", "cnn", "mlp"])
 def test_ancf_train_track_and_invert(data, capsys, tmp_path, kind, poses):
     if kind != "polynomial":
         pytest.importorskip("torch")
@@ -321,7 +326,8 @@ def test_models_are_compared(data, tmp_path, capsys):
     assert main([*arguments, "--out", str(tmp_path)]) == 0
     assert "Is a surrogate worth having?" in capsys.readouterr().out
     record = json.loads((tmp_path / "compare.json").read_text())
-    assert [m["kind"] for m in record["models"]] == ["closed form", "rbf", "polynomial", "cnn", "equivariant"]
+    kinds = [m["kind"] for m in record["models"]]
+    assert kinds == [*BASELINES, "polynomial", "mlp", "cnn", "equivariant"]
     for model in record["models"]:
         assert set(model["sets"]) == {"split", "off_grid", "trajectory", "noise", "outside", "slab"}
         assert model["solves"]["reached"] == 1.0 and model["sets"]["off_grid"]["unsolved"] == 0
