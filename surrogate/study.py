@@ -26,12 +26,6 @@ from surrogate.sweep import make
 SCHEMA = 1
 RECORD = "study.json"
 ON_THE_SWEEP = ("closed form", "polynomial", "cnn", "equivariant")  # enough to see that its split leaks
-    "closed form",
-    "polynomial",
-    "cnn",
-    "mlp",
-    "equivariant",
-)  # enough to see that its split leaks
 
 
 def study(
