@@ -10,6 +10,7 @@ import io
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,11 @@ def read(path: Path) -> dict[str, NDArray]:
             }
     except (zipfile.BadZipFile, ValueError, EOFError, NotImplementedError) as error:
         raise DamagedFile(f"{path.name} is truncated or damaged: {error}") from None
+
+
+def described(array: NDArray) -> dict[str, Any]:
+    """Shape, type and digest of an array, as a card holds them."""
+    return {"shape": list(array.shape), "dtype": array.dtype.str, "sha256": sha256(array)}
 
 
 def sha256(array: NDArray) -> str:

@@ -79,7 +79,7 @@ def problem_of(data: DataSet) -> Problem:
     """
     tables = {key: value for key, value in data.card["plan"]["design"].items() if key != "design"}
     arm = Arm.of(scene_from_dict(tables))
-    other = [v["name"] for v in data.card["loads"] if not v["name"].startswith("moment[0]")]
+    other = [v.name for v in data.design.variables if (v.load, v.index) != ("moment", 0)]
     if other:
         raise InputError(
             Message(
