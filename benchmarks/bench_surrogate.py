@@ -69,20 +69,20 @@ def main() -> None:
     print(f"one equilibrium {1e3 * solve:.3f} ms; in a batch {solve / batch:.1f} times less")
     together, alone = stacked()
     print(
-        f"25 networks, {EPOCHS} epochs: {together:.2f} s as one stack, {alone / together:.1f} times as long alone"
+        f"25 networks, {EPOCHS} epochs, as one stack: {together:.2f} s; one by one {alone / together:.1f} times"
     )
     table = cross_validate(given)
-    print(
-        f"25 trainings of table 1: {table.seconds:.1f} s, {table.seconds / (1520 * batch):.0f} times their data"
-    )
+    data = len(given.all) * batch
+    print(f"25 trainings of table 1: {table.seconds:.1f} s, {table.seconds / data:.0f} times their data")
     print("model             training, s  /data   answer, us  /equilibrium  /exact inverse")
     starts = closed_form(arm, poses)
     exact = median_seconds(lambda k: exact_inverse(arm, poses[k], guess=starts[k : k + 1]), SOLVES)
     for kind in (*KINDS, "closed form"):
         fitted = fit(given, kind)
-        answer = median_seconds(lambda k: fitted.models[0].predict(poses[k % len(poses)]), CALLS)
+        model = fitted.models[0].predict
+        answer = median_seconds(lambda k, model=model: model(poses[k % len(poses)]), CALLS)
         print(
-            f"{kind:16s} {fitted.seconds:12.2f} {fitted.seconds / (1520 * batch):6.1f} {1e6 * answer:12.1f}"
+            f"{kind:16s} {fitted.seconds:12.2f} {fitted.seconds / data:6.1f} {1e6 * answer:12.1f}"
             f" {answer / solve:13.4f} {answer / exact:15.5f}"
         )
     print(f"exact inverse from the closed form: {1e3 * exact:.2f} ms, {exact / solve:.1f} equilibria")

@@ -7,6 +7,7 @@ import json
 import math
 import warnings
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,11 +76,12 @@ def test_a_study_holds_every_model_and_figure(record, folder):
     assert names == sorted([*(f"fig{k}.png" for k in range(4, 12)), "study.json"])  # the data are not kept
 
 
-def change(record, path, value):
+def change(record: Any, path, value):
     *way, last = path
     for key in way:  # a model of a list is named by its kind
-        named = isinstance(record, list) and isinstance(key, str)
-        record = next(entry for entry in record if entry["kind"] == key) if named else record[key]
+        if isinstance(record, list) and isinstance(key, str):
+            record = {entry["kind"]: entry for entry in record}
+        record = record[key]
     record[last] = value
 
 
