@@ -69,7 +69,7 @@ def main() -> None:
     print(f"one equilibrium {1e3 * solve:.3f} ms; in a batch {solve / batch:.1f} times less")
     together, alone = stacked()
     print(
-        f"25 networks, {EPOCHS} epochs, as one stack: {together:.2f} s; one by one {alone / together:.1f} times"
+        f"25 networks, {EPOCHS} epochs: {together:.2f} s as one stack, alone {alone / together:.1f} times that"
     )
     table = cross_validate(given)
     data = len(given.all) * batch

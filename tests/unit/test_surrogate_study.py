@@ -38,20 +38,27 @@ def problem():
 @pytest.fixture(scope="module")
 def folder(problem, tmp_path_factory):
     """A study of a small problem with trainings that end at once, in the folder of a report."""
+    import surrogate.compare
     import surrogate.study
-    from surrogate.compare import compare
+    import surrogate.worth
     from surrogate.reproduce import reproduce
     from surrogate.study import RECORD, study
 
     place = tmp_path_factory.mktemp("report") / "surrogate"
     place.mkdir()
 
-    def small(given, seeds, epochs, kinds):
-        return compare(replace(problem, name=given.name), seeds, epochs, kinds)
+    def small(measure):
+        return lambda given, *rest: measure(replace(problem, name=given.name), *rest)
 
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("ignore", LeakWarning)
-        patch.setattr(surrogate.study, "compare", small)
+        for module, name, few in (
+            (surrogate.compare, "ROWS", 8), (surrogate.compare, "COVERED", 64), (surrogate.worth, "POSES", 3),
+        ):  # fmt: skip
+            patch.setattr(module, name, few)
+        patch.setattr(surrogate.compare, "reachability", lambda given: 1.0)
+        patch.setattr(surrogate.study, "compare", small(surrogate.compare.compare))
+        patch.setattr(surrogate.study, "compare_errors", small(surrogate.compare.compare_errors))
         patch.setattr(
             surrogate.study, "reproduce", lambda given, folder, **_: reproduce(problem, folder, 0, 2, 1)
         )
@@ -76,13 +83,14 @@ def test_a_study_holds_every_model_and_figure(record, folder):
     assert names == sorted([*(f"fig{k}.png" for k in range(4, 12)), "study.json"])  # the data are not kept
 
 
-def change(record: Any, path, value):
+def change(record: dict[str, Any], path: tuple[Any, ...], value: Any) -> None:
     *way, last = path
+    place: Any = record
     for key in way:  # a model of a list is named by its kind
-        if isinstance(record, list) and isinstance(key, str):
-            record = {entry["kind"]: entry for entry in record}
-        record = record[key]
-    record[last] = value
+        if isinstance(place, list) and isinstance(key, str):
+            place = {entry["kind"]: entry for entry in place}
+        place = place[key]
+    place[last] = value
 
 
 SOBOL = ("comparison", "sobol")
