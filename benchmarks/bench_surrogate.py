@@ -68,9 +68,7 @@ def main() -> None:
     batch = median_seconds(lambda _: arm.solve(given.train.moments), 3) / len(given.train)
     print(f"one equilibrium {1e3 * solve:.3f} ms; in a batch {solve / batch:.1f} times less")
     together, alone = stacked()
-    print(
-        f"25 networks, {EPOCHS} epochs: {together:.2f} s as one stack, alone {alone / together:.1f} times that"
-    )
+    print(f"25 networks, {EPOCHS} epochs: {together:.2f} s as one stack, alone {alone / together:.1f} times")
     table = cross_validate(given)
     data = len(given.all) * batch
     print(f"25 trainings of table 1: {table.seconds:.1f} s, {table.seconds / data:.0f} times their data")

@@ -83,14 +83,12 @@ def test_a_study_holds_every_model_and_figure(record, folder):
     assert names == sorted([*(f"fig{k}.png" for k in range(4, 12)), "study.json"])  # the data are not kept
 
 
-def change(record: dict[str, Any], path: tuple[Any, ...], value: Any) -> None:
-    *way, last = path
+def change(record, path, value):
     place: Any = record
-    for key in way:  # a model of a list is named by its kind
-        if isinstance(place, list) and isinstance(key, str):
-            place = {entry["kind"]: entry for entry in place}
-        place = place[key]
-    place[last] = value
+    for key in path[:-1]:  # a model of a list is named by its kind
+        named = isinstance(key, str) and not isinstance(place, dict)
+        place = next(entry for entry in place if entry["kind"] == key) if named else place[key]
+    place[path[-1]] = value
 
 
 SOBOL = ("comparison", "sobol")
