@@ -55,8 +55,8 @@ def crossval(
         )
     print(
         f"{record['trainings']} trainings in {record['cpu_seconds']:.1f} s of one core; 20 units are"
-        f" {record['range_EI_by_L']:.3g} E I/L; rank correlation with the published errors"
-        f" {record['rank_correlation']:.2f}; certificate: {record['certificate']}"
+        f" {record['range_EI_by_L']:.3g} E I/L; order {record['order']} (published"
+        f" {record['published_order']}); certificate: {record['certificate']}"
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import subprocess
 import sys
 from typing import Any
@@ -274,6 +276,19 @@ def test_bad_arguments_are_refused(data, capsys, tmp_path):
     ):
         assert main(arguments) == 2
         assert word in capsys.readouterr().err
+
+
+def test_a_full_disk_leaves_no_part_of_a_file(data, capsys, tmp_path, monkeypatch):
+    import surrogate.whole_file
+
+    def full(handle):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(surrogate.whole_file.os, "fsync", full)
+    arguments = ["train", str(data), "--model", "polynomial", "--out", str(tmp_path / "m")]
+    assert main([*arguments, "--allow-unvalidated"]) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert not list((tmp_path / "m").iterdir())
 
 
 def test_the_table_is_one_stack_of_folds(data, capsys):
