@@ -98,7 +98,7 @@ def _times(record: Mapping[str, Any]) -> list[tuple[str, str, str, None]]:
     main, table = record["reproduction"]["main_cnn"], record["reproduction"]["table_1"]
     trainings = 25 * table["cpu_seconds"] / table["trainings"]
     return [
-        ("Inference p50: CNN, best network", "30, 60 us", f"{cnn:.0f}, {best:.0f} us", None),
+        ("Inference p50, CPU time: CNN, best network", "30, 60 us", f"{cnn:.0f}, {best:.0f} us", None),
         ("Data set `paper`, CPU time", "3 s", f"{record['data']['paper']['cpu_seconds']:.2g} s", None),
         ("The 25 trainings of table 1, CPU time", "60 s", f"{trainings:.1f} s", None),
         ("Main CNN, CPU time", "20 s", f"{main['cpu_seconds']:.1f} s", None),

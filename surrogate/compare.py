@@ -13,7 +13,7 @@ from surrogate.evaluate import Designs, Scores, designs, latency, leak_guard, sc
 from surrogate.fit import BASELINES, CLOSED_FORM_KINDS, KINDS, AnyModel, Fit, fit
 from surrogate.inverse import Inverse, closed_form, exact_inverse, gauss_newton, pose_mismatch
 from surrogate.problem import Problem, Samples, box_design, solved
-from surrogate.worth import worth
+from surrogate.worth import owed, worth
 
 Floats = NDArray[np.float64]
 
@@ -64,6 +64,7 @@ def compare(
         "models": models,
         "start": start,
         "auroc": reachability(problem),
+        "owed": owed(models),
         "worth": worth(problem, few, models, start, len(calibrating)),
     }
 

@@ -53,6 +53,8 @@ def compare_text(record: Mapping[str, Any]) -> str:
         f" rows of their own; coverage on new rows is 95 +- {deviation:.1f} %.",
         f"Reachability by the converged mismatch and the bounds: AUROC {record['auroc']:.4f}.",
         "",
+        record["owed"],
+        "",
         "## Is a surrogate worth having?",
         "",
         *record["worth"]["text"],
