@@ -71,7 +71,7 @@ class Table:
     certificate: str
 
     @property
-    def same_order(self) -> float:
+    def rank_correlation(self) -> float:
         """Rank correlation (Spearman) of the five errors with the published ones."""
         ranks = np.argsort(np.argsort([row.mse.mean() for row in self.rows]))
         published = np.argsort(np.argsort([row.published_mse for row in self.rows]))
@@ -103,7 +103,7 @@ class Table:
             "trainings": self.trainings,
             "cpu_seconds": self.seconds,
             "certificate": self.certificate,
-            "rank_correlation": self.same_order,
+            "rank_correlation": self.rank_correlation,
             "order": order([row.mse.mean() for row in self.rows]),
             "published_order": order([row.published_mse for row in self.rows]),
             "order_share": self.order_share(),

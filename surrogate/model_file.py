@@ -29,7 +29,7 @@ from surrogate.baselines import Polynomial
 from surrogate.equivariant import EquivariantNetwork
 from surrogate.fit import AnyModel
 from surrogate.networks import Normaliser, PoseNetwork
-from surrogate.whole_file import write_bytes, write_text
+from surrogate.whole_file import write_together
 
 Floats = NDArray[np.float64]
 
@@ -52,8 +52,8 @@ class Loaded:
         return np.array(self.record["moment_range"], dtype=float)
 
 
-def write_safetensors(path: Path, tensors: Mapping[str, Floats]) -> bytes:
-    """Write float64 arrays by name; returns the bytes. Equal arrays give equal bytes."""
+def safetensors(tensors: Mapping[str, Floats]) -> bytes:
+    """Float64 arrays by name as the bytes of a file. Equal arrays give equal bytes."""
     header, blocks, at = {}, [], 0
     for name in sorted(tensors):
         data = np.ascontiguousarray(tensors[name], dtype="<f8")
@@ -62,9 +62,7 @@ def write_safetensors(path: Path, tensors: Mapping[str, Floats]) -> bytes:
         at += data.nbytes
     text = json.dumps(header, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 8)
-    whole = struct.pack("<Q", len(text)) + text + b"".join(blocks)
-    write_bytes(path, whole)
-    return whole
+    return struct.pack("<Q", len(text)) + text + b"".join(blocks)
 
 
 def read_safetensors(whole: bytes) -> dict[str, Floats]:
@@ -93,9 +91,10 @@ def save(folder: Path, model: AnyModel, record: Mapping[str, Any]) -> dict[str, 
     """
     folder.mkdir(parents=True, exist_ok=True)
     tensors, kind = _tensors(model)
-    weights = write_safetensors(folder / WEIGHTS, tensors)
+    weights = safetensors(tensors)
     whole = {"schema": SCHEMA, **kind, "weights_sha256": hashlib.sha256(weights).hexdigest(), **record}
-    write_text(folder / RECORD, json.dumps(whole, indent=1, allow_nan=False) + "\n")
+    text = json.dumps(whole, indent=1, allow_nan=False) + "\n"
+    write_together({folder / WEIGHTS: weights, folder / RECORD: text.encode()})
     return whole
 
 

@@ -4,26 +4,35 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from ancf.errors import InputError, Message
 
 
-def write_bytes(path: Path, content: bytes) -> Path:
-    """Write a file through a temporary one beside it, which the disk has taken before the name is given."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+def write_together(contents: Mapping[Path, bytes]) -> None:
+    """Write files that belong together: the disk has taken all before one of them replaces its old version."""
+    waiting: dict[Path, str] = {}
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+        for path, content in contents.items():
+            handle, waiting[path] = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(waiting[path], 0o644)
+        for path in contents:
+            os.replace(waiting[path], path)
+            del waiting[path]
+    finally:
+        for temporary in waiting.values():
+            os.unlink(temporary)
+
+
+def write_bytes(path: Path, content: bytes) -> Path:
+    """Write one file."""
+    write_together({path: content})
     return path
 
 

@@ -26,8 +26,8 @@ from surrogate.model_file import (
     WEIGHTS,
     load_model,
     read_safetensors,
+    safetensors,
     save,
-    write_safetensors,
 )
 from surrogate.networks import Normaliser, PoseNetwork, image
 from surrogate.problem import box_design, problem_of
@@ -101,7 +101,7 @@ def test_a_model_comes_back_as_it_was(model, poses, tmp_path):
 def test_the_weights_are_what_the_safetensors_package_reads(tmp_path):
     numpy_reader = pytest.importorskip("safetensors.numpy")
     arrays = {"b": np.arange(6.0).reshape(2, 3), "a": np.array([np.pi])}
-    write_safetensors(tmp_path / "x.safetensors", arrays)
+    (tmp_path / "x.safetensors").write_bytes(safetensors(arrays))
     found = numpy_reader.load_file(tmp_path / "x.safetensors")
     assert set(found) == {"a", "b"}
     for name, value in arrays.items():
@@ -110,8 +110,8 @@ def test_the_weights_are_what_the_safetensors_package_reads(tmp_path):
 
 
 @pytest.mark.parametrize("kept", [4, 40, -8])
-def test_a_file_that_is_cut_off_is_named(tmp_path, kept):
-    whole = write_safetensors(tmp_path / "x", {"a": np.arange(30.0)})
+def test_a_file_that_is_cut_off_is_named(kept):
+    whole = safetensors({"a": np.arange(30.0)})
     with pytest.raises(ValueError, match=r"header|cut off|ends"):
         read_safetensors(whole[:kept])
 
@@ -289,6 +289,25 @@ def test_a_full_disk_leaves_no_part_of_a_file(data, capsys, tmp_path, monkeypatc
     assert main([*arguments, "--allow-unvalidated"]) == 2
     assert "No space left on device" in capsys.readouterr().err
     assert not list((tmp_path / "m").iterdir())
+
+
+def test_a_full_disk_leaves_the_old_model(poses, tmp_path, monkeypatch):
+    """The second of two files does not fit: the first is not replaced either."""
+    import surrogate.whole_file
+
+    save(tmp_path, cnn(0), KEPT)
+    calls = []
+
+    def full(handle):
+        calls.append(handle)
+        if len(calls) == 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(surrogate.whole_file.os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        save(tmp_path, cnn(1), KEPT)
+    np.testing.assert_array_equal(load_model(tmp_path).model.predict(poses), cnn(0).predict(poses))
+    assert sorted(path.name for path in tmp_path.iterdir()) == [RECORD, WEIGHTS]
 
 
 def test_the_table_is_one_stack_of_folds(data, capsys):
