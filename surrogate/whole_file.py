@@ -12,7 +12,7 @@ from ancf.errors import InputError, Message
 
 
 def write_together(contents: Mapping[Path, bytes]) -> None:
-    """Write files that belong together: the disk has taken all before one of them replaces its old version."""
+    """Write files that belong together: the disk has taken all of them before one replaces an old one."""
     waiting: dict[Path, str] = {}
     try:
         for path, content in contents.items():
