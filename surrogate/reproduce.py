@@ -44,7 +44,8 @@ def reproduce(
         "fig10": figures.tracking(followed),
         "fig11": figures.folds(table),
     }.items():
-        save_figure(figure, folder / f"{name}.png", problem.certificate)
+        stamp = table.certificate if name == "fig11" else problem.certificate
+        save_figure(figure, folder / f"{name}.png", stamp)
     record = {
         "schema": 1,
         "data": problem.name,
