@@ -253,3 +253,8 @@ def test_the_share_of_the_published_order():
     swapping = [*apart[:3], [3.0, 5.0], apart[4]]  # model 4 below model 1 with one of its seeds
     assert table(swapping).order_share(size=1) == pytest.approx(0.5, abs=0.02)
     np.testing.assert_allclose(table(apart).runs, apart)
+    pairs = table(swapping).neighbours()
+    assert [p["pair"] for p in pairs] == ["5 < 1", "1 < 4", "4 < 3", "3 < 2"]
+    assert [p["share"] for p in pairs] == [1.0, 0.5, 1.0, 1.0]
+    assert pairs[1]["published_gap"] == pytest.approx(4.54 / 4.19 - 1.0)
+    assert pairs[1]["gap"] == pytest.approx(4.0 / 4.05 - 1.0)
