@@ -21,9 +21,9 @@ FOLDS, EPOCHS = 5, 100
 # The print names neither batch nor range of moments of the table. Ours: TensorFlow's default batch, and the
 # range (20 units are this many E I/L) at which all errors are within a factor 3 and the order is as near the
 # published one as its scatter lets it: 3 and 2 differ by 12 % in print, by less than a deviation here. Of two
-# sets of five seeds and folds one gave the published order, the other 2 before 3. Elsewhere, batch 32: 2.4 and
-# 2.9 put 4 before 1, 2.6 and 2.75 put 2 before 3, 2.8 depends on the seeds. Batch 64: 2 before 3 up to 2.7, 4
-# before 1 from 2.8. Half the torsion, or ranges below 2: errors too small by 3 to 100.
+# sets of five seeds and folds one gave the published order, the other 2 before 3. Elsewhere, batch 32: 2.4
+# and 2.9 put 4 before 1, 2.6 and 2.75 put 2 before 3, 2.8 depends on the seeds. Batch 64: 2 before 3 up to
+# 2.7, 4 before 1 from 2.8. Half the torsion, or ranges below 2: errors too small by 3 to 100.
 BATCH, TABLE_RANGE = 32, 2.7
 
 

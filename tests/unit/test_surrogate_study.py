@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ancf.cli import main
 from surrogate.arm import paper_arm
 from surrogate.asked import asked
 from surrogate.conformal import ErrorRadius, calibration
@@ -258,3 +259,31 @@ def test_the_share_of_the_published_order():
     assert [p["share"] for p in pairs] == [1.0, 0.5, 1.0, 1.0]
     assert pairs[1]["published_gap"] == pytest.approx(4.54 / 4.19 - 1.0)
     assert pairs[1]["gap"] == pytest.approx(4.0 / 4.05 - 1.0)
+
+
+def test_the_report_measures_in_a_process_of_its_own(tmp_path, monkeypatch, capsys):
+    import subprocess
+
+    import validation.cli
+
+    commands = []
+
+    def ran(command, **_):
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 4)
+
+    monkeypatch.setattr(subprocess, "run", ran)
+    validation.cli._study(tmp_path)
+    assert commands[0][1:] == ["-m", "ancf.cli", "study", "--out", str(tmp_path / "surrogate")]
+    assert "exit code 4" in capsys.readouterr().err
+
+
+def test_no_study_without_a_valid_certificate(tmp_path, monkeypatch, capsys):
+    import surrogate.gate
+    from validation.certificate import Verification
+
+    stale = Verification(tmp_path / "certificate.json", None, ["ancf/energy.py was changed"])
+    monkeypatch.setattr(surrogate.gate, "verify", lambda: stale)
+    assert main(["study", "--out", str(tmp_path / "s"), "--seeds", "1", "--epochs", "1"]) == 4
+    assert "ancf/energy.py was changed" in capsys.readouterr().err
+    assert not list((tmp_path / "s").iterdir())
