@@ -167,3 +167,7 @@ PUBLISHED_MSE = (4.19, 8.17, 7.19, 4.54, 1.07)
 # Fig. 6: convolution, pooling, flatten, dense. Printed: 16 (kernels; a kernel of size 16 does not fit a 3 x 4
 # image), tanh. Left open, and chosen here: kernels of 2 x 2, mean pooling, a dense layer of 32.
 MAIN_CNN = Architecture("CNN of fig. 6", (Convolution(16), Pooling(2, 1), Dense(32), Dense(3)))
+
+# Not of the paper: the usual perceptron, on the raw pose or (`inputs`) on the six features of baselines.py.
+RAW_MLP = Architecture("MLP 3 x 96", (Dense(96), Dense(96), Dense(96), Dense(3)))
+LOG_MLP = Architecture("MLP 3 x 96 on the logarithm", RAW_MLP.layers, inputs=6)

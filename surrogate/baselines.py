@@ -1,4 +1,4 @@
-"""What a network has to beat: closed form, cubic polynomial and radial basis functions on the logarithm.
+"""What a network has to beat: closed form; polynomial, radial basis functions, perceptron on the logarithm.
 
 Features of a pose in body axes: position over the length and the *unwrapped* logarithm of the rotation of the
 section (helix.py), six numbers without a jump where the angle passes pi. Targets: v = M L/(E I) in body axes.
@@ -9,15 +9,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.architecture import LOG_MLP, Architecture
 from surrogate.arm import Arm
 from surrogate.helix import helix_inverses
-from surrogate.networks import Normaliser
-from surrogate.problem import Samples
+from surrogate.networks import NetworkFit, Normaliser
+from surrogate.problem import Problem, Samples
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from surrogate.training import Schedule
 
 Floats = NDArray[np.float64]
 
@@ -100,6 +106,45 @@ class RadialBasis:
         rows = np.asarray(poses, dtype=float).reshape(-1, 3, 4)
         v = self._interpolator(self.normaliser(log_features(self.arm, rows)))
         return self.arm.moments(v).reshape(*np.shape(poses)[:-2], 3)
+
+
+@dataclass(frozen=True, eq=False)
+class LogNetwork:
+    """A perceptron on the six features: what the features are worth to a network that knows nothing else."""
+
+    arm: Arm
+    flat: Floats  # (parameters,)
+    normaliser: Normaliser
+    scale: float  # of v
+    architecture: Architecture = LOG_MLP
+
+    @cached_property
+    def weights(self) -> list[tuple[Floats, Floats]]:
+        """W, b of the layers."""
+        return self.architecture.unpack(self.flat)
+
+    def predict(self, poses: Floats) -> Floats:
+        """Moments (n, 3) [N m] of poses (n, 3, 4), or (3,) of one."""
+        rows = np.asarray(poses, dtype=float).reshape(-1, 3, 4)
+        x = self.normaliser(log_features(self.arm, rows))
+        v = self.scale * self.architecture.forward(self.weights, x)
+        return self.arm.moments(v).reshape(*np.shape(poses)[:-2], 3)
+
+
+def fit_log_networks(problem: Problem, seeds: Sequence[int], schedule: Schedule) -> NetworkFit[LogNetwork]:
+    """Perceptrons of several seeds, trained at once."""
+    from surrogate.training import train_seeds
+
+    arm = problem.arm
+    normaliser = Normaliser.of(log_features(arm, problem.train.poses))
+    scale = float(np.abs(arm.body_moments(problem.train.moments)).max())
+
+    def rows(samples: Samples) -> tuple[Floats, Floats]:
+        return normaliser(log_features(arm, samples.poses)), arm.body_moments(samples.moments) / scale
+
+    trained = train_seeds(LOG_MLP, rows(problem.train), rows(problem.validation), schedule, seeds)
+    networks = [LogNetwork(arm, flat, normaliser, scale) for flat in trained.flat]
+    return NetworkFit(networks, trained.training_loss, trained.validation_loss)
 
 
 def _terms(x: Floats) -> Floats:

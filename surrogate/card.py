@@ -53,10 +53,7 @@ def card(plan: Plan, arrays: Mapping[str, NDArray], outside: Sequence[str]) -> d
         "seed": design.seed,
         "seeds": seeds(design),
         "versions": plan.record["versions"],
-        "arrays": {
-            name: {"shape": list(array.shape), "dtype": array.dtype.str, "sha256": npz.sha256(array)}
-            for name, array in sorted(arrays.items())
-        },
+        "arrays": {name: npz.described(array) for name, array in sorted(arrays.items())},
         "plan": plan.record,
         "plan_id": plan.digest,
     }  # fmt: skip

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from surrogate.cli_data import NOT_VALIDATED
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from surrogate.design import Design
-
-NOT_VALIDATED = 4  # exit code of interface.md
 
 
 def dataset(
@@ -146,7 +146,7 @@ def _design(path: Path | None, name: str | None, count: int | None, seed: int | 
 def _write_parquet(folder: Path) -> None:
     from surrogate.dataset import load
     from surrogate.parquet import TABLE, write
-    from surrogate.store import writing
+    from surrogate.whole_file import writing
 
     with writing(folder):
         write(load(folder), folder / TABLE)

@@ -1,10 +1,10 @@
-"""What the commands on data sets share: options, data behind the gate, folders to write to."""
+"""What the commands on data sets share: options, and data behind the gate."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -22,52 +22,20 @@ Allow = Annotated[
 
 def problem_of_folder(directory: Path, allow_unvalidated: bool) -> Problem:
     """The problem of a folder, if its certificate is the one that is valid now."""
+    from dataclasses import replace
+
     from surrogate.dataset import load
-    from surrogate.gate import UNVALIDATED, ask
+    from surrogate.gate import admit
     from surrogate.problem import problem_of
+    from validation.certificate import NotValidated
 
     problem = problem_of(load(directory))
-    valid = ask(allow_unvalidated=True)
-    if problem.certificate in (UNVALIDATED, valid.id) and (
-        allow_unvalidated or problem.certificate != UNVALIDATED
-    ):
-        return problem
-    if allow_unvalidated:
-        from dataclasses import replace
-
-        return replace(problem, certificate=UNVALIDATED)
-    from ancf.errors import Message
-
-    message = Message(
-        "The certificate of these data is not valid.",
-        str(directory),
-        f"the data have {problem.certificate}, valid now is {valid.id}",
-        "data made with --allow-unvalidated, or code that changed since they were made",
-        "make the data again, or add --allow-unvalidated: the stamp goes into model and card",
-    )
-    print(message, file=sys.stderr)
-    raise typer.Exit(NOT_VALIDATED)
-
-
-class Writing:
-    """Make a folder; a failure of the file system while writing becomes a message."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def __enter__(self) -> Path:
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            self.__exit__(OSError, error, None)
-        return self.folder
-
-    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        if isinstance(error, OSError):
-            refuse(
-                "The results cannot be written.", str(self.folder), str(error),
-                "a full disk, a missing permission, or a file in the place of the folder",
-            )  # fmt: skip
+    try:
+        stamp = admit(problem.certificate, str(directory), allow_unvalidated)
+    except NotValidated as error:
+        print(error.message, file=sys.stderr)
+        raise typer.Exit(NOT_VALIDATED) from None
+    return replace(problem, certificate=stamp)
 
 
 def refuse(what: str, where: str, value: str, cause: str) -> NoReturn:

@@ -126,5 +126,5 @@ def _show(record: dict[str, Any]) -> None:
             f" {radius_text(radius)}; certificate: {record['certificate']}"
         )
     for warning in record["warnings"]:
-        console.print(f"warning: {warning}; nor does the radius hold off that design")
+        console.print(f"warning: {warning}")
     console.print(f"{record['method']}, {1e3 * record['seconds'] / len(record['poses']):.2g} ms a pose")

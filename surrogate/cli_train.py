@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surrogate.cli_data import Allow, Data, Json, Writing, problem_of_folder, refuse
+from surrogate.cli_data import Allow, Data, Json, problem_of_folder, refuse
 
 if TYPE_CHECKING:
     from surrogate.problem import Problem
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 def train(
     directory: Data,
     out: Annotated[Path | None, typer.Option("--out", metavar="MODEL", help="Folder; DIR/model.")] = None,
-    model: Annotated[str, typer.Option("--model", help="equivariant, cnn or polynomial.")] = "equivariant",
+    model: Annotated[
+        str, typer.Option("--model", help="equivariant, cnn, mlp or polynomial.")
+    ] = "equivariant",
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the weights and the order of rows.")] = 0,
     epochs: Annotated[int | None, typer.Option("--epochs", min=1, help="Default: 500, or 400.")] = None,
     allow_unvalidated: Allow = False,
@@ -32,11 +34,12 @@ def train(
     Exit code 0: done. 2: the input is wrong. 4: the certificate of the data is not the valid one.
     """
     from surrogate.fit import KINDS
+    from surrogate.whole_file import writing
 
     if model not in KINDS:
         refuse("There is no such model.", f"--model {model}", f"one of {', '.join(KINDS)}", "a misspelt name")
     problem = problem_of_folder(directory, allow_unvalidated)
-    with Writing(out or directory / "model") as folder:
+    with writing(out or directory / "model") as folder:
         record = train_and_save(problem, folder, model, seed, epochs)
     if json:
         from ancf.io import result_text
@@ -53,12 +56,13 @@ def train_and_save(
     problem: Problem, folder: Path, kind: str, seed: int = 0, epochs: int | None = None
 ) -> dict[str, Any]:
     """Fit one model, measure it on all sets of poses, calibrate its radius, write its folder."""
-    from surrogate.conformal import calibrated
+    from surrogate.conformal import calibrated, calibration
     from surrogate.evaluate import LeakWarning, designs, latency, leak_guard, score, slab_score
     from surrogate.fit import fit
     from surrogate.model_card import model_card
     from surrogate.model_file import CARD, GRAPH, save
     from surrogate.problem import plain_tables
+    from surrogate.whole_file import write_text
 
     fitted = fit(problem, kind, [seed], epochs)
     (found,) = fitted.models
@@ -83,7 +87,7 @@ def train_and_save(
         "moment_range": problem.bounds.tolist(),
         "training": {"rows": len(problem.train), "seed": seed, "cpu_seconds": fitted.seconds},
         "scores": {name: s.as_dict() for name, s in scores.items()},
-        "error_radius": calibrated(found.predict, problem.arm, problem.validation).as_dict(),
+        "error_radius": calibrated(found.predict, problem.arm, calibration(problem)).as_dict(),
         "leak": leak,
         "latency": {"p50": p50, "p99": p99},
     }
@@ -91,7 +95,7 @@ def train_and_save(
         record["training_loss"] = fitted.training_loss[0].tolist()
         record["validation_loss"] = fitted.validation_loss[0].tolist()
     record = save(folder, found, record)
-    (folder / CARD).write_text(model_card(record))
+    write_text(folder / CARD, model_card(record))
     try:
         from surrogate.onnx_graph import write_onnx
 
@@ -119,6 +123,7 @@ def track(
     from ancf.io import result_text
     from surrogate.model_file import load_model
     from surrogate.tracking import track as follow
+    from surrogate.whole_file import write_text, writing
 
     if plot is not None:
         from ancf.view import check_picture_path
@@ -127,13 +132,13 @@ def track(
     found = follow(load_model(model))
     record = {"schema": 1, "model": str(model), **found.as_dict()}
     if out is not None:
-        with Writing(out.parent):
-            out.write_text(result_text(record) + "\n")
+        with writing(out.parent):
+            write_text(out, result_text(record) + "\n")
     if plot is not None:
         from surrogate.figures import save_figure
         from surrogate.figures_paper import tracking
 
-        with Writing(plot.parent):
+        with writing(plot.parent):
             save_figure(tracking(found), plot, found.certificate)
     if json:
         print(result_text(record))

@@ -2,47 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.conformal import calibrated, coverage
-from surrogate.evaluate import Scores, designs, latency, leak_guard, score, slab
-from surrogate.fit import BASELINES, KINDS, AnyModel, fit
-from surrogate.inverse import Inverse, closed_form, exact_inverse
-from surrogate.model_card import SET_TEXT
+from surrogate.conformal import calibrated, calibration, coverage
+from surrogate.evaluate import Designs, Scores, designs, latency, leak_guard, score, slab
+from surrogate.fit import BASELINES, CLOSED_FORM_KINDS, KINDS, AnyModel, Fit, fit
+from surrogate.inverse import Inverse, closed_form, exact_inverse, gauss_newton, pose_mismatch
 from surrogate.problem import Problem, Samples, box_design, solved
+from surrogate.worth import owed, worth
 
 Floats = NDArray[np.float64]
 
 SEEDS = (0, 1, 2, 3, 4)
+ALL_KINDS = (*BASELINES, *reversed(KINDS))
 ROWS = 200  # of the independent design that are inverted exactly
 COVERED = 2000  # new rows for the coverage of the error radius
 FAR = 1e6  # score of a pose that needs moments outside the bounds
 
 
-def compare(problem: Problem, seeds: Sequence[int] = SEEDS, epochs: int | None = None) -> dict[str, Any]:
+def compare(
+    problem: Problem,
+    seeds: Sequence[int] = SEEDS,
+    epochs: int | None = None,
+    kinds: Sequence[str] = ALL_KINDS,
+) -> dict[str, Any]:
     """Fit all models and measure them.
 
     Returns
     -------
-    Plain data: models[] = {kind, seeds, training_cpu_seconds, latency, sets {name: {tip_percent, ...}},
-    coverage, solves, leak}, each number of a set with its mean and deviation over the seeds; `start` =
-    equilibria solved by the exact inverse from the straight arm; `auroc` of reachability.
+    Plain data: models[] as `compare_errors` gives them, with coverage, solves and gauss_newton; `start` =
+    equilibria solved by the exact inverse from the straight arm and from the closed form; `auroc` of
+    reachability; `worth` (worth.py).
 
     Notes
     -----
     `epochs` shortens the trainings of networks, for tests.
     """
     sets = designs(problem)
-    rest, cut = problem.without(slab(problem.bounds))
-    fresh = solved(problem.arm, box_design(problem.bounds, COVERED, 31))
+    calibrating, fresh = calibration(problem), solved(problem.arm, box_design(problem.bounds, COVERED, 31))
     few = sets.off_grid.taken(np.arange(min(ROWS, len(sets.off_grid))))
     models = []
-    for kind in (*BASELINES, *reversed(KINDS)):
-        if kind in ("closed form", "equivariant") and problem.arm.without_closed_form:
+    for fitted, errors in _errors(problem, sets, seeds, epochs, kinds):
+        guess = fitted.models[0].predict(few.poses)
+        more = {
+            "coverage": _coverage(fitted.models, problem, calibrating, fresh),
+            "solves": _solves(problem, few, guess),
+            "gauss_newton": [_stepped(problem, few, guess, steps) for steps in (1, 2)],
+        }
+        models.append({**errors, **more})
+    start = {
+        "straight arm": _solves(problem, few, np.zeros_like(few.moments)),
+        "closed form": _solves(problem, few, closed_form(problem.arm, few.poses)),
+    }
+    return {
+        **_head(problem),
+        "calibration_rows": len(calibrating),
+        "models": models,
+        "start": start,
+        "auroc": reachability(problem),
+        "owed": owed(models),
+        "worth": worth(problem, few, models, start, len(calibrating)),
+    }
+
+
+def compare_errors(
+    problem: Problem,
+    seeds: Sequence[int] = SEEDS,
+    epochs: int | None = None,
+    kinds: Sequence[str] = ALL_KINDS,
+) -> dict[str, Any]:
+    """The errors of `compare` alone.
+
+    Returns
+    -------
+    Plain data: models[] = {kind, seeds, parameters, training_cpu_seconds, latency, sets {name: {tip_percent,
+    ...}}, leak}, each number of a set with its mean and deviation over the seeds.
+    """
+    found = _errors(problem, designs(problem), seeds, epochs, kinds)
+    return {**_head(problem), "models": [errors for _, errors in found]}
+
+
+def _head(problem: Problem) -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "data": problem.name,
+        "certificate": problem.certificate,
+        "training_rows": len(problem.train),
+    }
+
+
+def _errors(
+    problem: Problem, sets: Designs, seeds: Sequence[int], epochs: int | None, kinds: Sequence[str]
+) -> Iterator[tuple[Fit, dict[str, Any]]]:
+    """Each kind fitted, and its errors on all sets."""
+    rest, cut = problem.without(slab(problem.bounds))
+    for kind in kinds:
+        if kind in CLOSED_FORM_KINDS and problem.arm.without_closed_form:
             continue
         fitted, without = fit(problem, kind, seeds, epochs), fit(rest, kind, seeds, epochs)
         found = {
@@ -50,30 +109,19 @@ def compare(problem: Problem, seeds: Sequence[int] = SEEDS, epochs: int | None =
             for name, samples in sets.named().items()
         }
         found["slab"] = [score(m.predict, problem.arm, cut, rest.deviation) for m in without.models]
-        models.append(
+        p50, p99 = latency(fitted.models[0].predict, sets.split.poses)
+        yield (
+            fitted,
             {
                 "kind": kind,
                 "seeds": len(fitted.models),
+                "parameters": _parameters(fitted),
                 "training_cpu_seconds": fitted.seconds,
-                "latency": dict(zip(("p50", "p99"), _latency(fitted.models[0], sets.split), strict=True)),
+                "latency": {"p50": p50, "p99": p99},
                 "sets": {name: _spread(scores) for name, scores in found.items()},
-                "coverage": _coverage(fitted.models, problem, fresh),
-                "solves": _solves(problem, few, fitted.models[0].predict(few.poses)),
                 "leak": leak_guard(found["split"][0], found["off_grid"][0], kind),
-            }
+            },
         )
-    return {
-        "schema": 1,
-        "data": problem.name,
-        "certificate": problem.certificate,
-        "training_rows": len(problem.train),
-        "models": models,
-        "start": {
-            "straight arm": _solves(problem, few, np.zeros_like(few.moments)),
-            "closed form": _solves(problem, few, closed_form(problem.arm, few.poses)),
-        },
-        "auroc": reachability(problem),
-    }
 
 
 def reachability(problem: Problem, rows: int = 60, seed: int = 5) -> float:
@@ -113,18 +161,41 @@ def _solves(problem: Problem, samples: Samples, guess: Floats) -> dict[str, floa
     }
 
 
-def _coverage(models: Sequence[AnyModel], problem: Problem, fresh: Samples) -> dict[str, float]:
+def _stepped(problem: Problem, samples: Samples, guess: Floats, steps: int) -> dict[str, float]:
+    """Largest tip error, % of L, after Gauss-Newton steps, and the share of rows with an equilibrium."""
+    arm = problem.arm
+    found = arm.solve(gauss_newton(arm, samples.poses, guess, steps))
+    good = found.status == "converged"
+    away, _ = pose_mismatch(arm, found.poses[good], samples.poses[good])
+    return {
+        "steps": steps,
+        "max_percent": float(100.0 * away.max() / arm.length),
+        "solved": float(good.mean()),
+    }
+
+
+def _coverage(
+    models: Sequence[AnyModel], problem: Problem, calibrating: Samples, fresh: Samples
+) -> dict[str, float]:
     """Shares of new rows of the box inside the radii of position and moment, mean over the seeds."""
-    held = [
-        coverage(calibrated(m.predict, problem.arm, problem.validation), m.predict, problem.arm, fresh)
-        for m in models
-    ]
+    radii = [calibrated(m.predict, problem.arm, calibrating) for m in models]
+    held = [coverage(r, m.predict, problem.arm, fresh) for r, m in zip(radii, models, strict=True)]
     position, moment = np.mean(held, axis=0)
-    return {"position": float(position), "moment": float(moment)}
+    return {
+        "position": float(position),
+        "moment": float(moment),
+        "radius_percent": float(100.0 * np.mean([r.position for r in radii]) / problem.arm.length),
+        "deviation": radii[0].deviation,
+    }
 
 
-def _latency(model: AnyModel, samples: Samples) -> tuple[float, float]:
-    return latency(model.predict, samples.poses)
+def _parameters(fitted: Fit) -> int:
+    """Numbers that a model learned."""
+    model = fitted.models[0]
+    for name in ("flat", "coefficients", "targets"):
+        if hasattr(model, name):
+            return int(getattr(model, name).size)
+    return 0
 
 
 def _spread(scores: Sequence[Scores]) -> dict[str, Any]:
@@ -142,59 +213,3 @@ def _spread(scores: Sequence[Scores]) -> dict[str, Any]:
         "r2": of([s.r2 for s in scores]),
         "unsolved": sum(s.unsolved for s in scores),
     }
-
-
-def report(record: Mapping[str, Any]) -> str:
-    """The record as Markdown, with what follows from it."""
-    sets = [name for name in SET_TEXT if name in record["models"][0]["sets"]]
-    lines = [
-        "# Models of the inverse, in closed loop",
-        "",
-        f'Data set "{record["data"]}", {record["training_rows"]} training rows; certificate:'
-        f" {record['certificate']}.",
-        "",
-        "Tip error in % of L: mean over poses (+- deviation over the seeds) / largest.",
-        "",
-        f"| model | {' | '.join(sets)} |",
-        "|---" * (len(sets) + 1) + "|",
-    ]
-    for model in record["models"]:
-        cells = []
-        for name in sets:
-            tip = model["sets"][name]["tip_percent"]
-            cells.append(
-                f"{tip['mean']['mean']:.2g} +- {tip['mean']['deviation']:.1g} / {tip['max']['mean']:.2g}"
-            )
-        lines.append(f"| {model['kind']} ({model['seeds']}) | {' | '.join(cells)} |")
-    lines += ["", *(f"* {name}: {SET_TEXT[name]}" for name in sets), ""]
-    lines += [
-        "| model | degrees | R^2 | MSE, N^2 m^2 | training, s | p50, us | p99, us | coverage at 95 %"
-        " | solves to converge |",
-        "|---" * 9 + "|",
-    ]
-    for model in record["models"]:
-        off = model["sets"]["off_grid"]
-        lines.append(
-            f"| {model['kind']} | {off['angle_degrees']['mean']['mean']:.2g} | {off['r2']['mean']:.6f} |"
-            f" {off['mse']['mean']:.2g} | {model['training_cpu_seconds']:.2g} |"
-            f" {1e6 * model['latency']['p50']:.0f} | {1e6 * model['latency']['p99']:.0f} |"
-            f" {100 * model['coverage']['position']:.1f} % | {model['solves']['mean']:.2f} |"
-        )
-    straight, thin = (record["start"][name]["mean"] for name in ("straight arm", "closed form"))
-    best = min(m["solves"]["mean"] for m in record["models"])
-    lines += [
-        "",
-        f"Reachability by the converged mismatch and the bounds: AUROC {record['auroc']:.4f}.",
-        "",
-        "## Is a surrogate worth having?",
-        "",
-        f"Levenberg-Marquardt on the equilibria needs {thin:.2f} solves from the closed form of the thin arm,"
-        f" {straight:.2f} from the straight arm; from the best model here {best:.2f}. A model thus saves"
-        f" {thin - best:.2f} solves of some 2 ms each (with their sensitivities) against the closed form,"
-        f" {straight - best:.2f} against no guess at all; it cost {record['training_rows']} solves and"
-        " training. It is worth having where its own answer, unrefined, is accurate enough and microseconds"
-        " count; it is not where poses may be disturbed, out of reach or outside its box, where other loads"
-        " act, or where a millisecond does not matter: there the exact inverse is better.",
-    ]
-    lines += ["", *(f"WARNING: {m['leak']}" for m in record["models"] if m["leak"])]
-    return "\n".join(lines).rstrip() + "\n"

@@ -22,11 +22,16 @@ from surrogate.design import Design, design_from_dict
 from surrogate.gate import UNVALIDATED
 from surrogate.plan import SCHEMA
 from surrogate.sampling import SPLIT_NAMES
+from validation.certificate import digests
 
 Floats = NDArray[np.float64]
 
 DATA, CARD = "data.npz", "card.json"
-KINDS = {"arrays": dict, "certificate": str, "plan": dict, "reasons": list}  # what `load` needs of a card
+# What readers need of a card, and of what kind.
+KINDS = {
+    "arrays": dict, "certificate": str, "plan": dict, "reasons": list, "preset": str, "loads": list,
+    "moment_range": list, "rows": int, "rows_by_status": dict,
+}  # fmt: skip
 STAMP = "certificate"  # name of the array that carries the stamp
 
 
@@ -92,7 +97,7 @@ def load(path: str | PathLike[str]) -> DataSet:
     wrong += [
         f"array {name!r} is not the one of the card"
         for name in ARRAYS
-        if name in arrays and described.get(name, {}).get("sha256") != npz.sha256(arrays[name])
+        if name in arrays and described.get(name) != npz.described(arrays[name])
     ]
     if not wrong and str(arrays[STAMP]) != card["certificate"]:
         wrong = [f"the data are stamped {arrays[STAMP]}, the card {card['certificate']}"]
@@ -120,6 +125,8 @@ def read_card(folder: Path) -> dict[str, Any]:
     wrong = [key for key, kind in KINDS.items() if not isinstance(card.get(key), kind)]
     if wrong:
         refuse(path, "The data card is not complete.", f"{', '.join(wrong)} missing or of another kind")
+    if digests.of_json(card["plan"]) != card.get("plan_id"):
+        refuse(path, "The data card was changed.", "plan_id is not the digest of plan")
     return card
 
 
@@ -137,10 +144,19 @@ def _check(path: Path, found: DataSet) -> None:
     for name in ("moments", "loads", "pose", "stretch"):
         if not np.isfinite(getattr(found, name)).all():
             wrong.append(f"{name} is not finite")
+    if not _is_box(found.card["moment_range"]):
+        wrong.append("moment_range of the card is not three pairs of numbers")
     if not set(np.unique(found.split)) <= set(SPLIT_NAMES):
         wrong.append(f"split holds words other than {', '.join(SPLIT_NAMES)}")
     if wrong:
         refuse(path, "The data cannot be used.", "; ".join(wrong))
+
+
+def _is_box(value: Any) -> bool:
+    try:
+        return np.shape(np.asarray(value, dtype=float)) == (3, 2)
+    except (TypeError, ValueError):
+        return False
 
 
 def refuse(path: Path, what: str, value: str) -> NoReturn:

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from surrogate.architecture import Architecture, Dense
 from surrogate.arm import Arm
 from surrogate.helix import helix_inverse, helix_inverses
+from surrogate.networks import NetworkFit
 from surrogate.problem import Problem, Samples
 
 if TYPE_CHECKING:
@@ -99,24 +100,23 @@ def combined(h: Floats, x: Floats) -> Floats:
 
 def fit_equivariant(
     problem: Problem, seeds: Sequence[int], epochs: int = EPOCHS
-) -> tuple[list[EquivariantNetwork], Floats, Floats]:
-    """Networks of several seeds, trained at once, and their losses (S, epochs) in units of `scale`^2."""
-    from surrogate.training import Rows, Schedule, train
+) -> NetworkFit[EquivariantNetwork]:
+    """Networks of several seeds, trained at once; their losses are in units of `scale`^2."""
+    from surrogate.training import Schedule, train_seeds
 
     arm = problem.arm
     v, d = _residual(arm, problem.train)
-    v_checked, d_checked = _residual(arm, problem.validation)
     largest = np.maximum([np.max(v[:, 0] ** 2), np.max(v[:, 1] ** 2 + v[:, 2] ** 2)], 1e-12)
     scale = float(np.sqrt(np.mean(d**2)) / np.sqrt(np.mean(v**2))) or 1.0
 
-    def rows(v: Floats, d: Floats) -> Rows:
-        x, y = inputs(v, largest), d / scale
-        return Rows(np.repeat(x[None], len(seeds), axis=0), np.repeat(y[None], len(seeds), axis=0))
+    def rows(v: Floats, d: Floats) -> tuple[Floats, Floats]:
+        return inputs(v, largest), d / scale
 
+    validation = rows(*_residual(arm, problem.validation))
     schedule = Schedule(epochs, BATCH, RATE, DECAY, double=True)
-    (trained,) = train([RESIDUAL_MLP], rows(v, d), rows(v_checked, d_checked), schedule, seeds, _stacked)
+    trained = train_seeds(RESIDUAL_MLP, rows(v, d), validation, schedule, seeds, _stacked)
     networks = [EquivariantNetwork(arm, flat, largest, scale) for flat in trained.flat]
-    return networks, trained.training_loss, trained.validation_loss
+    return NetworkFit(networks, trained.training_loss, trained.validation_loss)
 
 
 def _residual(arm: Arm, samples: Samples) -> tuple[Floats, Floats]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from surrogate.gate import UNVALIDATED
+from surrogate.whole_file import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +30,6 @@ def save_figure(figure: Figure, path: Path, certificate: str) -> None:
     """Write a figure; the stamp UNVALIDATED is printed on it. The suffix of the path chooses the format."""
     if certificate == UNVALIDATED:
         figure.text(0.5, 0.5, UNVALIDATED, ha="center", va="center", fontsize=40, color=RED, alpha=0.25)
-    beside = path.with_name(f".{path.name}.part{path.suffix}")
-    figure.savefig(beside, dpi=150)
-    os.replace(beside, path)
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix[1:], dpi=120)
+    write_bytes(path, content.getvalue())

@@ -1,4 +1,4 @@
-"""The kinds of models that `ancf train` knows, each fitted to a problem with several seeds."""
+"""The kinds of models that are compared, each fitted to a problem with several seeds."""
 
 from __future__ import annotations
 
@@ -10,18 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.errors import InputError, Message
-from surrogate.architecture import MAIN_CNN
-from surrogate.baselines import ClosedForm, Polynomial, RadialBasis
-from surrogate.equivariant import EPOCHS, EquivariantNetwork, fit_equivariant
-from surrogate.networks import PoseNetwork, fit_networks
+from surrogate.architecture import MAIN_CNN, RAW_MLP
+from surrogate.baselines import ClosedForm, LogNetwork, Polynomial, RadialBasis, fit_log_networks
+from surrogate.equivariant import BATCH, DECAY, EPOCHS, RATE, EquivariantNetwork, fit_equivariant
+from surrogate.networks import NetworkFit, PoseNetwork, fit_networks
 from surrogate.problem import Problem
 
 Floats = NDArray[np.float64]
-AnyModel = PoseNetwork | EquivariantNetwork | Polynomial | RadialBasis | ClosedForm
+AnyModel = PoseNetwork | EquivariantNetwork | Polynomial | RadialBasis | ClosedForm | LogNetwork
 
-KINDS = ("equivariant", "cnn", "polynomial")  # that can be saved; the first is the best
-BASELINES = ("closed form", "rbf")
+KINDS = ("equivariant", "cnn", "mlp", "polynomial")  # that can be saved; the first is the best
+# To compare with. The last two tell what is owed to the features and to the training: the perceptron on the
+# features in place of the raw pose, and the paper's CNN trained as the perceptrons are.
+BASELINES = ("closed form", "rbf", "polynomial, 400 solves", "log mlp", "cnn, decayed rate")
+FEW_ROWS = 400  # of "polynomial, 400 solves"
+CLOSED_FORM_KINDS = ("closed form", "equivariant")  # of a thin round arm under a tip moment only
 MAIN_EPOCHS = 500  # paper sec. 4.1
+MLP_EPOCHS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +46,13 @@ def fit(problem: Problem, kind: str, seeds: Sequence[int] = (0,), epochs: int | 
     Parameters
     ----------
     kind : one of `KINDS` or `BASELINES`
-    epochs : None: 500 of the CNN, those of equivariant.py
+    epochs : None: 500 of the CNN, 400 of the equivariant network, 200 of the perceptrons
 
     Raises
     ------
     InputError : the kind needs the closed form, which the arm has not.
     """
-    if kind in ("closed form", "equivariant") and problem.arm.without_closed_form:
+    if kind in CLOSED_FORM_KINDS and problem.arm.without_closed_form:
         raise InputError(
             Message(
                 f"The model {kind!r} does not fit this arm.",
@@ -58,20 +63,38 @@ def fit(problem: Problem, kind: str, seeds: Sequence[int] = (0,), epochs: int | 
             )
         )
     started = time.process_time()
-    training_loss = validation_loss = None
-    if kind == "cnn":
-        found = fit_networks(problem, MAIN_CNN, seeds, epochs or MAIN_EPOCHS)
-        models: list[AnyModel] = [*found.networks]
-        training_loss, validation_loss = found.training_loss, found.validation_loss
-    elif kind == "equivariant":
-        networks, training_loss, validation_loss = fit_equivariant(problem, seeds, epochs or EPOCHS)
-        models = [*networks]
-    elif kind == "polynomial":
-        models = [Polynomial.fit(problem.arm, problem.train)]
+    if kind == "polynomial":
+        models: list[AnyModel] = [Polynomial.fit(problem.arm, problem.train)]
+    elif kind == "polynomial, 400 solves":
+        models = [
+            Polynomial.fit(problem.arm, problem.train.taken(np.arange(min(FEW_ROWS, len(problem.train)))))
+        ]
     elif kind == "rbf":
         models = [RadialBasis.fit(problem.arm, problem.train)]
     elif kind == "closed form":
         models = [ClosedForm(problem.arm)]
     else:
-        raise ValueError(f"no model is called {kind!r}; known are {KINDS + BASELINES}")
-    return Fit(kind, models, time.process_time() - started, training_loss, validation_loss)
+        found = _networks(problem, kind, seeds, epochs)
+        seconds = time.process_time() - started
+        return Fit(kind, [*found.networks], seconds, found.training_loss, found.validation_loss)
+    return Fit(kind, models, time.process_time() - started)
+
+
+def _networks(
+    problem: Problem, kind: str, seeds: Sequence[int], epochs: int | None
+) -> NetworkFit[PoseNetwork] | NetworkFit[EquivariantNetwork] | NetworkFit[LogNetwork]:
+    from surrogate.training import Schedule
+
+    if kind == "equivariant":
+        return fit_equivariant(problem, seeds, epochs or EPOCHS)
+    own = MAIN_EPOCHS if kind.startswith("cnn") else MLP_EPOCHS
+    decayed = Schedule(epochs or own, BATCH, RATE, DECAY)
+    if kind == "cnn":
+        return fit_networks(problem, MAIN_CNN, seeds, Schedule(epochs or MAIN_EPOCHS))
+    if kind == "cnn, decayed rate":
+        return fit_networks(problem, MAIN_CNN, seeds, decayed, units=1.0)
+    if kind == "mlp":
+        return fit_networks(problem, RAW_MLP, seeds, decayed, units=1.0)
+    if kind == "log mlp":
+        return fit_log_networks(problem, seeds, decayed)
+    raise ValueError(f"no model is called {kind!r}; known are {KINDS + BASELINES}")

@@ -36,6 +36,8 @@ MOST_STEPS = 40
 LONGEST_STEP = 1.5
 # A pose is reachable when the arm comes this near: of the length, and [rad].
 REACH_POSITION, REACH_ROTATION = 1e-3, 5e-3
+# A number of a pose beyond this is as good as infinite: its square may overflow.
+TOO_LARGE = 1e100
 # Slack of the bounds of the moments, of their size.
 BOUND_SLACK = 1e-6
 
@@ -90,7 +92,7 @@ def check_poses(poses: ArrayLike) -> Floats:
     """
     try:
         values = np.asarray(poses, dtype=float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         _refuse("The pose is not a table of numbers.", "pose", str(error))
     if values.ndim == 2:
         values = values[None]
@@ -98,9 +100,12 @@ def check_poses(poses: ArrayLike) -> Floats:
         _refuse(
             "The pose has the wrong shape.", "pose", f"shape {np.shape(poses)}, must be (3, 4) or (n, 3, 4)"
         )
-    bad = np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))
+    bad = np.flatnonzero(~(np.abs(values) < TOO_LARGE).all(axis=(1, 2)))
     if len(bad):
-        _refuse("The pose is not finite.", f"pose {bad[0]}", f"{len(bad)} of {len(values)} poses")
+        _refuse(
+            "The pose is not finite.", f"pose {bad[0]}",
+            f"{len(bad)} of {len(values)} poses; all numbers must be below {TOO_LARGE:g}",
+        )  # fmt: skip
     across = np.linalg.norm(np.cross(values[:, :, 2], values[:, :, 3]), axis=1)
     flat = np.flatnonzero(~((across > 1e-6) & (across < 1e6)))
     if len(flat):

@@ -10,6 +10,7 @@ from surrogate.conformal import radius_text
 KIND_TEXT = {
     "equivariant": "closed form of the thin arm plus a residual network with the arm's symmetry built in",
     "cnn": "the paper's CNN (fig. 6): convolution, pooling, dense layers on the 3 x 4 image of the pose",
+    "mlp": "perceptron of three hidden layers of 96 on the raw 3 x 4 pose",
     "polynomial": "cubic polynomial in position and unwrapped logarithm of the rotation",
 }
 SET_TEXT = {
@@ -40,8 +41,8 @@ def model_card(record: Mapping[str, Any]) -> str:
         " can be reached; `ancf invert` tells by solving the equilibrium.",
         "",
         "## Errors, in closed loop (moments solved again by ANCF)",
-        "| poses | rows | tip error, % of L: mean, median, p95, max | degrees, mean | MSE N^2 m^2 | MSE z"
-        " | R^2 |",
+        "| poses | rows | tip error, % of L: mean, median, p95, max | degrees, mean | MSE N^2 m^2 | MSE z |"
+        " R^2 |",
         "|---|---|---|---|---|---|---|",
     ]
     for name, s in record["scores"].items():
@@ -55,19 +56,19 @@ def model_card(record: Mapping[str, Any]) -> str:
     lines += [
         "",
         f"Error radius at {100 * radius['level']:g} % (split conformal, {radius['rows']} rows):"
-        f" {radius_text(radius)}. It holds for poses of the design of the data, not for disturbed or other"
-        " ones.",
+        f" {radius_text(radius)}. It holds for poses anywhere in the box, for {100 * radius['level']:g} +-"
+        f" {100 * radius['deviation']:.1f} of 100, not for disturbed ones.",
     ]
     if record.get("leak"):
-        lines += ["", f"WARNING: {record['leak']}. The error radius, too, is that of the training design."]
+        lines += ["", f"WARNING: {record['leak']}."]
     training = record["training"]
     lines += [
         "",
         "## Training",
         f'{training["rows"]} rows of the data set "{record["data"]}", seed {training["seed"]},'
         f" {training['cpu_seconds']:.1f} s of one core. Equal seeds give equal weights on one machine.",
-        f"One pose takes {1e6 * record['latency']['p50']:.0f} us (p50),"
-        f" {1e6 * record['latency']['p99']:.0f} us (p99), in NumPy.",
+        f"One pose takes {1e6 * record['latency']['p50']:.0f} us (p50), {1e6 * record['latency']['p99']:.0f}"
+        " us (p99), in NumPy.",
         "",
     ]
     return "\n".join(lines)

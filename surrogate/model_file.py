@@ -29,6 +29,7 @@ from surrogate.baselines import Polynomial
 from surrogate.equivariant import EquivariantNetwork
 from surrogate.fit import AnyModel
 from surrogate.networks import Normaliser, PoseNetwork
+from surrogate.whole_file import write_together
 
 Floats = NDArray[np.float64]
 
@@ -51,8 +52,8 @@ class Loaded:
         return np.array(self.record["moment_range"], dtype=float)
 
 
-def write_safetensors(path: Path, tensors: Mapping[str, Floats]) -> bytes:
-    """Write float64 arrays by name; returns the bytes. Equal arrays give equal bytes."""
+def safetensors(tensors: Mapping[str, Floats]) -> bytes:
+    """Float64 arrays by name as the bytes of a file. Equal arrays give equal bytes."""
     header, blocks, at = {}, [], 0
     for name in sorted(tensors):
         data = np.ascontiguousarray(tensors[name], dtype="<f8")
@@ -61,9 +62,7 @@ def write_safetensors(path: Path, tensors: Mapping[str, Floats]) -> bytes:
         at += data.nbytes
     text = json.dumps(header, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 8)
-    whole = struct.pack("<Q", len(text)) + text + b"".join(blocks)
-    path.write_bytes(whole)
-    return whole
+    return struct.pack("<Q", len(text)) + text + b"".join(blocks)
 
 
 def read_safetensors(whole: bytes) -> dict[str, Floats]:
@@ -92,9 +91,10 @@ def save(folder: Path, model: AnyModel, record: Mapping[str, Any]) -> dict[str, 
     """
     folder.mkdir(parents=True, exist_ok=True)
     tensors, kind = _tensors(model)
-    weights = write_safetensors(folder / WEIGHTS, tensors)
+    weights = safetensors(tensors)
     whole = {"schema": SCHEMA, **kind, "weights_sha256": hashlib.sha256(weights).hexdigest(), **record}
-    (folder / RECORD).write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n")
+    text = json.dumps(whole, indent=1, allow_nan=False) + "\n"
+    write_together({folder / WEIGHTS: weights, folder / RECORD: text.encode()})
     return whole
 
 
@@ -131,7 +131,8 @@ def _tensors(model: AnyModel) -> tuple[dict[str, Floats], dict[str, Any]]:
     if isinstance(model, PoseNetwork):
         arrays = {**_layers(model.weights), **_normaliser(model.normaliser)}
         arrays["moment_unit"] = np.array([model.moment_unit])
-        return arrays, {"kind": "cnn", **_architecture(model.architecture)}
+        kind = "mlp" if all(isinstance(layer, Dense) for layer in model.architecture.layers) else "cnn"
+        return arrays, {"kind": kind, **_architecture(model.architecture)}
     if isinstance(model, EquivariantNetwork):
         arrays = {**_layers(model.weights), "largest": model.largest, "scale": np.array([model.scale])}
         return arrays, {"kind": "equivariant", **_architecture(model.architecture)}
@@ -149,7 +150,7 @@ def _model(record: dict[str, Any], tensors: dict[str, Floats], arm: Arm) -> AnyM
     flat = np.concatenate([tensors[name].ravel() for name in names])
     if flat.size != architecture.parameters:
         raise ValueError(f"{flat.size} weights, the architecture has {architecture.parameters}")
-    if kind == "cnn":
+    if kind in ("cnn", "mlp"):
         return PoseNetwork(architecture, flat, _read_normaliser(tensors), float(tensors["moment_unit"][0]))
     if kind == "equivariant":
         return EquivariantNetwork(arm, flat, tensors["largest"], float(tensors["scale"][0]), architecture)

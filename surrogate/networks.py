@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,11 @@ from numpy.typing import NDArray
 from surrogate.architecture import Architecture
 from surrogate.problem import Problem, Samples
 
+if TYPE_CHECKING:
+    from surrogate.training import Schedule
+
 Floats = NDArray[np.float64]
+Network = TypeVar("Network")
 
 # Targets are given in units of which the largest moment has 20: of the ranges tried, that comes closest to
 # the published errors of table 1, which are not those of z-scored targets.
@@ -62,34 +67,35 @@ def image(poses: Floats) -> Floats:
     return np.asarray(poses, dtype=float).reshape(*np.shape(poses)[:-2], 12)
 
 
-def moment_unit(bounds: Floats) -> float:
-    """N m of one unit of the targets."""
-    return float(np.abs(bounds).max()) / UNITS
+def moment_unit(bounds: Floats, units: float = UNITS) -> float:
+    """N m of one unit of the targets, of which the largest moment has `units`."""
+    return float(np.abs(bounds).max()) / units
 
 
 @dataclass(frozen=True, eq=False)
-class NetworkFit:
-    """Networks of several seeds, and their losses (S, epochs) in units squared."""
+class NetworkFit(Generic[Network]):
+    """Networks of several seeds, and their losses (S, epochs) in units squared of their targets."""
 
-    networks: list[PoseNetwork]
+    networks: list[Network]
     training_loss: Floats
     validation_loss: Floats
 
 
 def fit_networks(
-    problem: Problem, architecture: Architecture, seeds: Sequence[int], epochs: int, batch: int = 64
-) -> NetworkFit:
-    """Train one architecture with several seeds at once, the paper's way: MSE, Adam 1e-2."""
-    from surrogate.training import Rows, Schedule, train
+    problem: Problem,
+    architecture: Architecture,
+    seeds: Sequence[int],
+    schedule: Schedule,
+    units: float = UNITS,
+) -> NetworkFit[PoseNetwork]:
+    """Train one architecture on the raw pose with several seeds at once, MSE and Adam."""
+    from surrogate.training import train_seeds
 
-    normaliser, unit = Normaliser.of(image(problem.train.poses)), moment_unit(problem.bounds)
+    normaliser, unit = Normaliser.of(image(problem.train.poses)), moment_unit(problem.bounds, units)
 
-    def rows(samples: Samples) -> Rows:
-        x, y = normaliser(image(samples.poses)), samples.moments / unit
-        return Rows(np.repeat(x[None], len(seeds), axis=0), np.repeat(y[None], len(seeds), axis=0))
+    def rows(samples: Samples) -> tuple[Floats, Floats]:
+        return normaliser(image(samples.poses)), samples.moments / unit
 
-    (trained,) = train(
-        [architecture], rows(problem.train), rows(problem.validation), Schedule(epochs, batch), seeds
-    )
+    trained = train_seeds(architecture, rows(problem.train), rows(problem.validation), schedule, seeds)
     networks = [PoseNetwork(architecture, flat, normaliser, unit) for flat in trained.flat]
     return NetworkFit(networks, trained.training_loss, trained.validation_loss)

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
-import tempfile
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surrogate.whole_file import write_bytes
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -37,22 +38,6 @@ def write(path: Path, arrays: Mapping[str, NDArray]) -> Path:
     return write_bytes(path, packed.getvalue())
 
 
-def write_bytes(path: Path, content: bytes) -> Path:
-    """Write a file through a temporary one beside it, which the disk has taken before the name is given."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-    return path
-
-
 def read(path: Path) -> dict[str, NDArray]:
     """Read all arrays; raises `DamagedFile`, or OSError where the file cannot be opened."""
     try:
@@ -65,6 +50,11 @@ def read(path: Path) -> dict[str, NDArray]:
             }
     except (zipfile.BadZipFile, ValueError, EOFError, NotImplementedError) as error:
         raise DamagedFile(f"{path.name} is truncated or damaged: {error}") from None
+
+
+def described(array: NDArray) -> dict[str, Any]:
+    """Shape, type and digest of an array, as a card holds them."""
+    return {"shape": list(array.shape), "dtype": array.dtype.str, "sha256": sha256(array)}
 
 
 def sha256(array: NDArray) -> str:

@@ -19,6 +19,7 @@ from surrogate.fit import AnyModel
 from surrogate.networks import PoseNetwork
 from surrogate.onnx_helix import body_columns, helix_inverse, to_moments
 from surrogate.onnx_nodes import Graph, Value, joined
+from surrogate.whole_file import write_bytes
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +52,7 @@ def onnx_model(model: AnyModel) -> Any:
 
 def write_onnx(model: AnyModel, path: Path) -> None:
     """Write the graph to a file."""
-    path.write_bytes(onnx_model(model).SerializeToString())
+    write_bytes(path, onnx_model(model).SerializeToString())
 
 
 def _layers(architecture: Architecture, weights: list[tuple[Floats, Floats]], x: Value) -> Value:

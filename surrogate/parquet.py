@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from surrogate.dataset import ARRAYS, DataSet
+from surrogate.whole_file import write_bytes
 
 TABLE = "data.parquet"
 METADATA = b"ancf.card"
@@ -23,8 +24,6 @@ def write(found: DataSet, path: str | PathLike[str]) -> Path:
     """Write the table; raises OSError, and ModuleNotFoundError without pyarrow (extra "parquet")."""
     import pyarrow as pa  # pyright: ignore[reportMissingImports]
     import pyarrow.parquet as pq  # pyright: ignore[reportMissingImports]
-
-    from surrogate import npz
 
     units = found.card["units"]
     fields, columns = [], []
@@ -38,7 +37,7 @@ def write(found: DataSet, path: str | PathLike[str]) -> Path:
     schema = pa.schema(fields, metadata={METADATA: json.dumps(found.card).encode()})
     sink = pa.BufferOutputStream()
     pq.write_table(pa.Table.from_arrays(columns, schema=schema), sink)
-    return npz.write_bytes(Path(path), sink.getvalue().to_pybytes())
+    return write_bytes(Path(path), sink.getvalue().to_pybytes())
 
 
 def read(path: str | PathLike[str]) -> DataSet:

@@ -15,6 +15,11 @@ from surrogate.inverse import check_poses
 Floats = NDArray[np.float64]
 
 COLUMNS = ("position", "r_x", "r_y", "r_z")
+# What readers raise at files that hold something else; a header may also ask for more memory than there is.
+BROKEN = (
+    OSError, EOFError, ValueError, TypeError, KeyError, AttributeError, OverflowError, MemoryError,
+    RecursionError,
+)  # fmt: skip
 
 
 def load_poses(path: Path) -> Floats:
@@ -39,8 +44,8 @@ def load_poses(path: Path) -> Floats:
                 _refuse(path, "it is empty")
             values = np.loadtxt(text.splitlines(), delimiter="," if "," in text else None, ndmin=2)
         values = np.asarray(values, dtype=float)
-    except (OSError, ValueError, TypeError, KeyError, EOFError) as error:
-        _refuse(path, str(error))
+    except BROKEN as error:
+        _refuse(path, f"{type(error).__name__}: {error}")
     if values.ndim == 2 and values.shape[1] == 12:
         values = np.swapaxes(values.reshape(-1, 4, 3), 1, 2)
     return check_poses(values)
@@ -49,7 +54,7 @@ def load_poses(path: Path) -> Floats:
 def _of_json(data: Any) -> Any:
     if isinstance(data, dict):
         if "rods" in data:
-            tip = next(iter(data["rods"].values()))["tip"]
+            tip = next(iter(data["rods"].values()), {})["tip"]
             return np.column_stack([tip[name] for name in COLUMNS])
         return data["poses"] if "poses" in data else data["pose"]
     return data

@@ -14,10 +14,9 @@ from ancf.errors import InputError, Message
 from ancf.scene_file import scene_from_dict
 from surrogate.arm import Arm
 from surrogate.dataset import DataSet
+from surrogate.sampling import sobol_points, split_sizes
 
 Floats = NDArray[np.float64]
-
-SHARES = (0.70, 0.15, 0.15)  # paper sec. 3.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ def problem_of(data: DataSet) -> Problem:
     """
     tables = {key: value for key, value in data.card["plan"]["design"].items() if key != "design"}
     arm = Arm.of(scene_from_dict(tables))
-    other = [v["name"] for v in data.card["loads"] if not v["name"].startswith("moment[0]")]
+    other = [v.name for v in data.design.variables if (v.load, v.index) != ("moment", 0)]
     if other:
         raise InputError(
             Message(
@@ -127,11 +126,7 @@ def solved(arm: Arm, moments: Floats) -> Samples:
 
 def box_design(bounds: Floats, count: int, seed: int, scale: float = 1.0) -> Floats:
     """Moments (count, 3) [N m] spread over the box by a scrambled Sobol sequence; `scale` widens the box."""
-    from scipy.stats import qmc
-
-    points = qmc.Sobol(3, scramble=True, rng=np.random.default_rng([seed, 77])).random_base2(
-        max(1, int(np.ceil(np.log2(count))))
-    )[:count]
+    points = sobol_points(np.random.default_rng([seed, 77]), count, 3)
     middle, half = bounds.mean(axis=1), 0.5 * scale * (bounds[:, 1] - bounds[:, 0])
     return middle + (2.0 * points - 1.0) * half
 
@@ -139,8 +134,8 @@ def box_design(bounds: Floats, count: int, seed: int, scale: float = 1.0) -> Flo
 def random_split(count: int, seed: int) -> tuple[NDArray[np.intp], ...]:
     """Row numbers for training, validation and test, 70/15/15."""
     order = np.random.default_rng([seed, 5]).permutation(count)
-    ends = np.cumsum([int(count * share) for share in SHARES[1:]])
-    return order[ends[1] :], order[: ends[0]], order[ends[0] : ends[1]]
+    _, validation, test = split_sizes(count)
+    return order[validation + test :], order[:validation], order[validation : validation + test]
 
 
 def _samples(data: DataSet, split: str) -> Samples:

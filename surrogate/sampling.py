@@ -83,6 +83,11 @@ def _unit(design: Design, seed: list[int], size: int) -> Floats:
     dimension = len(design.variables)
     if design.sampling == "random":
         return generator.random((size, dimension))
+    return sobol_points(generator, size, dimension)
+
+
+def sobol_points(generator: np.random.Generator, size: int, dimension: int) -> Floats:
+    """The first points (size, dimension) of a scrambled Sobol sequence in the unit cube."""
     from scipy.stats import qmc
 
     name = "rng" if "rng" in inspect.signature(qmc.Sobol).parameters else "seed"  # before SciPy 1.15

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,6 +15,7 @@ from ancf.errors import InputError, Message
 from surrogate import npz
 from surrogate.blocks import RESULTS, Solved
 from surrogate.plan import SCHEMA, Plan, differences
+from surrogate.whole_file import write_bytes, writing
 
 FOLDER, PLAN = "blocks", "plan.json"
 
@@ -52,7 +52,7 @@ class Store:
             return False
         with writing(self.folder):
             self.blocks.mkdir(parents=True, exist_ok=True)
-            npz.write_bytes(path, json.dumps(self.plan.record, indent=1).encode())
+            write_bytes(path, json.dumps(self.plan.record, indent=1).encode())
         return True
 
     def path(self, number: int) -> Path:
@@ -115,7 +115,7 @@ class Store:
             except npz.DamagedFile as error:
                 refuse_shard(source.path(number), str(error))
             with writing(self.folder):
-                npz.write_bytes(self.path(number), source.path(number).read_bytes())
+                write_bytes(self.path(number), source.path(number).read_bytes())
             taken += 1
         return taken
 
@@ -165,20 +165,3 @@ def refuse_shard(path: Path, value: str) -> NoReturn:
             "copy it again, or run that shard again: it goes on where it stopped",
         )
     )
-
-
-@contextmanager
-def writing(folder: Path) -> Iterator[None]:
-    """Turn an error of the disk into an `InputError`; finished blocks stay."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            Message(
-                "The data cannot be written.",
-                str(error.filename or folder),
-                error.strerror or str(error),
-                "a full disk or a missing permission",
-                "make room and run the same command again: finished blocks are kept and nothing is lost",
-            )
-        ) from error

@@ -24,7 +24,8 @@ from surrogate.dataset import CARD, DATA, STAMP, DataSet, load, read_card, refus
 from surrogate.design import Design, design_from_dict
 from surrogate.gate import UNVALIDATED, ask, refuse_outside
 from surrogate.plan import Plan
-from surrogate.store import Store, compare, read_plan, refuse_shard, writing
+from surrogate.store import Store, compare, read_plan, refuse_shard
+from surrogate.whole_file import write_text, writing
 
 LOST = (BrokenExecutor, CancelledError, OSError)  # a worker was killed, a scheduler went away
 SILENCE = 10.0  # seconds without an answer after which an executor is asked whether workers are left
@@ -131,7 +132,7 @@ def assemble(plan: Plan, folder: Path, allow_unvalidated: bool = False) -> None:
     arrays[STAMP] = np.array(content["certificate"])
     with writing(folder):
         npz.write(folder / DATA, arrays)
-        npz.write_bytes(folder / CARD, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+        write_text(folder / CARD, json.dumps(content, indent=1, allow_nan=False) + "\n")
     store.clear()
 
 

@@ -118,6 +118,22 @@ def train(
     ]
 
 
+def train_seeds(
+    architecture: Architecture,
+    training: tuple[Floats, Floats],
+    validation: tuple[Floats, Floats],
+    schedule: Schedule,
+    seeds: Sequence[int],
+    forward: Callable[[Architecture], Forward] | None = None,
+) -> Trained:
+    """`train` one architecture with several seeds on the same rows: inputs (n, inputs), targets (n, 3)."""
+    first, second = (
+        Rows(*(np.repeat(a[None], len(seeds), axis=0) for a in part)) for part in (training, validation)
+    )
+    (trained,) = train([architecture], first, second, schedule, seeds, forward)
+    return trained
+
+
 def stacked_forward(architecture: Architecture) -> Forward:
     """Outputs (S, n, 3) of weights (S, ..) and inputs (S, n, inputs), as `Architecture.forward`."""
     stages = [(s, torch.from_numpy(s.index)) for s in architecture.stages]

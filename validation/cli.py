@@ -54,17 +54,39 @@ def report(
     fresh: Fresh = False,
     out: Out = Path("report"),
     ship: Ship = False,
+    surrogate: Annotated[
+        bool, typer.Option("--surrogate", help="Also run `ancf study` (some minutes) for its chapter.")
+    ] = False,
 ) -> None:
-    """Validate, then write one self-contained offline report.html beside report.json."""
+    """Validate, then write one self-contained offline report.html beside report.json.
+
+    The chapter on the surrogate shows the study in DIR/surrogate, if there is one.
+    """
     record, certificates = _run(quick, full, fresh, out, (), ship)
     from validation.record import write_json
     from validation.report.page import write_page
 
     written = write_json(record, out)
+    if surrogate:
+        _study(out)
     started = time.perf_counter()
     page = write_page(record, out)
     sys.stderr.write(f"figures and page: {time.perf_counter() - started:.1f} s\n")
     _finish(record, [written, page, *certificates])
+
+
+def _study(out: Path) -> None:
+    """Measure the surrogate in a process of its own: nothing of it is imported here."""
+    import subprocess
+
+    from validation.report.surrogate_study import FOLDER
+
+    command = [sys.executable, "-m", "ancf.cli", "study", "--out", str(out / FOLDER)]
+    code = subprocess.run(command, stdout=subprocess.DEVNULL).returncode
+    if code:
+        sys.stderr.write(
+            f"`ancf study` ended with exit code {code}; the chapter shows an older study or none\n"
+        )
 
 
 def _run(

@@ -98,7 +98,7 @@ def test_every_anchor_resolves_and_ids_are_unique(page, browser):
         "a.getAttribute('xlink:href')).filter(h => h && !document.getElementById(h.slice(1)))"
     )
     assert broken == []
-    assert browser.evaluate("document.querySelectorAll('nav a').length") == 15
+    assert browser.evaluate("document.querySelectorAll('nav a').length") == 16
     twice = browser.evaluate(
         "(() => {const ids = [...document.querySelectorAll('[id]')].map(e => e.id);"
         "return ids.filter((id, i) => ids.indexOf(id) !== i)})()"

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.errors import SceneError
+from ancf.errors import InputError, SceneError
 from surrogate import dataset, gate, npz
 from surrogate.blocks import ROWS
 from surrogate.dataset import ARRAYS, DataError, load
 from surrogate.design import design_from_dict, load_design, preset
 from surrogate.gate import Gate
 from surrogate.plan import Plan, differences
+from surrogate.problem import problem_of
 from surrogate.sampling import sample, split_sizes
 from surrogate.sweep import make
 from tests.datasets import SMALL, small, stale, tables
@@ -272,6 +273,11 @@ def spoil_card(folder, **changes):
     (folder / "card.json").write_text(json.dumps({**card, **changes}))
 
 
+def spoil_plan(folder, **changes):
+    plan = json.loads((folder / "card.json").read_text())["plan"]
+    spoil_card(folder, plan={**plan, **changes})
+
+
 def restamp(folder, stamp):
     spoil_card(folder, certificate=stamp)
     spoil_data(folder, "certificate", lambda a: np.array(stamp))
@@ -292,6 +298,8 @@ def spoil_data(folder, name, change):
         (lambda f: spoil_card(f, schema=2), "schema 2, this version knows 1"),
         (lambda f: (f / "card.json").write_text("[]"), "schema None, this version knows 1"),
         (lambda f: spoil_card(f, plan=[], arrays=None), "arrays, plan missing or of another kind"),
+        (lambda f: spoil_card(f, moment_range=[[0, 1]]), "not three pairs of numbers"),
+        (lambda f: spoil_plan(f, solver="0" * 64), "plan_id is not the digest of plan"),
         (lambda f: spoil_card(f, certificate="f" * 64), "the data are stamped UNVALIDATED, the card ffff"),
         (lambda f: restamp(f, "f" * 64), "the card is stamped ffff.*, its plan UNVALIDATED"),
         (
@@ -325,10 +333,23 @@ def test_numbers_that_cannot_be(made, name, change, words):
     _, folder = made
     spoil_data(folder, name, change)
     described = json.loads((folder / "card.json").read_text())["arrays"]
-    described[name]["sha256"] = npz.sha256(npz.read(folder / "data.npz")[name])
+    described[name] = npz.described(npz.read(folder / "data.npz")[name])
     spoil_card(folder, arrays=described)
     with pytest.raises(DataError, match=words):
         load(folder)
+
+
+@pytest.mark.parametrize("value", [None, 0, 0.5, "x", [], {}, [[]]])
+def test_a_card_with_any_entry_spoiled_is_refused_or_harmless(made, value):
+    """Never another exception than an `InputError`, in the data set or in what is learned from it."""
+    _, folder = made
+    whole = json.loads((folder / "card.json").read_text())
+    for key in whole:
+        (folder / "card.json").write_text(json.dumps({**whole, key: value}))
+        try:
+            problem_of(load(folder))
+        except InputError as error:
+            assert error.message.cause
 
 
 def test_parquet_holds_the_same(made, tmp_path):

@@ -25,7 +25,7 @@ def test_scenes_of_the_interface_are_there():
     assert {"gravity-arm", "paper-arm", "pure-bending", "tip-force"} <= names
 
 
-def test_table_and_chapter():
+def test_table_and_chapter(tmp_path):
     rows = [
         SceneCalls("a", "converged", 4, {"elastic": 5, "force": 5}, {"elastic": 0.5, "force": 0.01}),
         SceneCalls("b", "converged", 4, {"elastic": 6}, {"elastic": 0.25}),
@@ -35,7 +35,7 @@ def test_table_and_chapter():
     assert [cells for _, cells in table] == [["5 × 0.5 ms", "5 × 0.01 ms"], ["6 × 0.25 ms", "-"]]
     run = runner.Run("quick", "now", effect_calls=rows, effect_costs=[EffectCost("force", 12, 0.1, 0.2)])
     run.seconds["total"] = 0.0
-    html = page.render(run)
+    html = page.render(run, tmp_path)
     chapter = html[html.index('<section id="effects">') :]
     chapter = chapter[: chapter.index("</section>")]
     assert "6 × 0.25 ms" in chapter and "<svg" in chapter and "1 of 1 measurements" in chapter

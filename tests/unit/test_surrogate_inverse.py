@@ -18,6 +18,7 @@ from reference.helix_inverse import helix_inverse as reference_inverse
 from surrogate.arm import Arm, at_other_base, paper_arm
 from surrogate.helix import LENGTH_COST, helix_inverses, helix_pose, section_axes
 from surrogate.inverse import closed_form, exact_inverse, gauss_newton
+from surrogate.pose_file import load_poses
 
 DIRECTION = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda d: np.linalg.norm(d) > 1e-3)
 FULL_TURN = 2 * np.pi
@@ -240,6 +241,7 @@ def test_ancf_invert_answers(scene, tmp_path, capsys):
     [
         ("1 2 3\n4 5 6\n7 8 9\n", "wrong shape"),
         ("1 2 3 4\n5 6 7 8\n9 10 nan 12\n", "not finite"),
+        ("1e300 1 0 0\n0 0 1 0\n0 0 0 1\n", "not finite"),  # its square is none
         ("0 1 0 0\n0 0 1 1\n0 0 0 0\n", "span no section"),
         ("once upon a time\n", "cannot be read"),
         ("1 2 3 4\n1 2\n", "cannot be read"),
@@ -254,3 +256,45 @@ def test_bad_poses_are_refused(scene, tmp_path, capsys, text, word):
     assert main(["invert", str(scene), "--pose", str(path), "--json"]) == 2
     streams = capsys.readouterr()
     assert word in streams.err and not streams.out
+
+
+def header(shape):
+    """The first bytes of an .npy file that promises an array of a shape."""
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
+    text += " " * (-(len(text) + 11) % 64) + "\n"
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("p.npy", b""),
+        ("p.npy", b"\x93NUMPY"),
+        ("p.npy", header((3, 4))),
+        ("p.npy", header((10**13, 3, 4))),  # more than any memory
+        ("p.npy", b"PK\x05\x06" + bytes(18)),  # an empty .npz
+        ("p.json", b"{"),
+        ("p.json", b"[" * 100_000),
+        ("p.json", b'{"rods": {}}'),
+        ("p.json", b'{"rods": []}'),
+        ("p.json", b'{"rods": {"arm": {"tip": []}}}'),
+        ("p.json", b'{"pose": {"r": 1}}'),
+        ("p.json", b"[[1" + b"0" * 400 + b", 2, 3, 4], [1, 2, 3, 4], [1, 2, 3, 4]]"),
+        ("p.json", b"null"),
+        ("p.txt", bytes(range(256))),
+        ("p.txt", b""),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:loadtxt")
+def test_files_that_hold_no_poses_are_refused(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ancf.InputError, match=r"cannot be read|wrong shape"):
+        load_poses(tmp_path / name)
+
+
+@pytest.mark.parametrize("size", [1e3, 1e99])
+def test_a_pose_from_another_world_is_not_reachable(size):
+    pose = np.array([[size, 1.0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    found = exact_inverse(paper_arm(elements=4, element="3333"), pose)
+    assert not found.reachable[0] and found.reason(0)
+    assert np.isfinite(found.moments).all()

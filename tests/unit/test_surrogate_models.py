@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import math
+import os
 import subprocess
 import sys
 from typing import Any
@@ -12,18 +15,21 @@ import pytest
 
 import ancf
 from ancf.cli import main
+from surrogate.architecture import MAIN_CNN, RAW_MLP
 from surrogate.arm import Arm, paper_arm
 from surrogate.baselines import Polynomial
+from surrogate.conformal import ErrorRadius, radius_text
 from surrogate.crossval import cross_validate, rescaled
 from surrogate.dataset import load
 from surrogate.equivariant import RESIDUAL_MLP, EquivariantNetwork
+from surrogate.fit import BASELINES
 from surrogate.model_file import (
     RECORD,
     WEIGHTS,
     load_model,
     read_safetensors,
+    safetensors,
     save,
-    write_safetensors,
 )
 from surrogate.networks import Normaliser, PoseNetwork, image
 from surrogate.problem import box_design, problem_of
@@ -62,12 +68,14 @@ ARM = paper_arm(elements=4, element="3333")
 KEPT = {"scene": SCENE, "moment_range": [[-0.02, 0.02]] * 3, "certificate": "UNVALIDATED"}
 
 
-def cnn(seed=0):
-    from surrogate.architecture import MAIN_CNN
-
+def cnn(seed=0, architecture=MAIN_CNN):
     rng = np.random.default_rng(seed)
     normaliser = Normaliser(rng.normal(size=12), rng.uniform(0.5, 2.0, 12))
-    return PoseNetwork(MAIN_CNN, rng.normal(size=MAIN_CNN.parameters), normaliser, 1e-3)
+    return PoseNetwork(architecture, rng.normal(size=architecture.parameters), normaliser, 1e-3)
+
+
+def mlp():
+    return cnn(6, RAW_MLP)
 
 
 def equivariant():
@@ -80,7 +88,7 @@ def poses():
     return ARM.solve(box_design(np.outer(np.ones(3), [-0.02, 0.02]), 16, 3)).poses
 
 
-@pytest.mark.parametrize("model", [cnn(), equivariant()], ids=["cnn", "equivariant"])
+@pytest.mark.parametrize("model", [cnn(), mlp(), equivariant()], ids=["cnn", "mlp", "equivariant"])
 def test_a_model_comes_back_as_it_was(model, poses, tmp_path):
     save(tmp_path, model, KEPT)
     again = load_model(tmp_path)
@@ -95,7 +103,7 @@ def test_a_model_comes_back_as_it_was(model, poses, tmp_path):
 def test_the_weights_are_what_the_safetensors_package_reads(tmp_path):
     numpy_reader = pytest.importorskip("safetensors.numpy")
     arrays = {"b": np.arange(6.0).reshape(2, 3), "a": np.array([np.pi])}
-    write_safetensors(tmp_path / "x.safetensors", arrays)
+    (tmp_path / "x.safetensors").write_bytes(safetensors(arrays))
     found = numpy_reader.load_file(tmp_path / "x.safetensors")
     assert set(found) == {"a", "b"}
     for name, value in arrays.items():
@@ -104,8 +112,8 @@ def test_the_weights_are_what_the_safetensors_package_reads(tmp_path):
 
 
 @pytest.mark.parametrize("kept", [4, 40, -8])
-def test_a_file_that_is_cut_off_is_named(tmp_path, kept):
-    whole = write_safetensors(tmp_path / "x", {"a": np.arange(30.0)})
+def test_a_file_that_is_cut_off_is_named(kept):
+    whole = safetensors({"a": np.arange(30.0)})
     with pytest.raises(ValueError, match=r"header|cut off|ends"):
         read_safetensors(whole[:kept])
 
@@ -166,12 +174,13 @@ FOLLOWER = Arm.of(
     ("model", "arm"),
     [
         (cnn(2), ARM),
+        (mlp(), ARM),
         (equivariant(), ARM),
         (EquivariantNetwork(FOLLOWER, equivariant().flat, np.array([1.0, 2.0]), 0.1), FOLLOWER),
         (polynomial(), ARM),
         (polynomial(FOLLOWER), FOLLOWER),
     ],
-    ids=["cnn", "equivariant", "equivariant, follower", "polynomial", "polynomial, follower"],
+    ids=["cnn", "mlp", "equivariant", "equivariant, follower", "polynomial", "polynomial, follower"],
 )
 def test_the_onnx_graph_agrees_with_numpy(model, arm):
     """By the reference evaluator of the package onnx: metres in, newton metres out; |v| up to 4."""
@@ -202,23 +211,15 @@ def test_data_without_certificate_are_refused(data, capsys, tmp_path):
     assert main(["crossval", str(data)]) == 4
 
 
-def test_a_handful_of_rows_trains_a_model_of_unknown_radius(capsys, tmp_path):
-    """64 rows leave 9 for calibration, and 19 are needed at 95 %."""
-    few, model, pose = tmp_path / "few", tmp_path / "m", tmp_path / "pose.txt"
-    assert main(["dataset", "--count", "64", "--out", str(few), "--allow-unvalidated"]) == 0
-    capsys.readouterr()
-    arguments = ["train", str(few), "--model", "polynomial", "--out", str(model), "--allow-unvalidated"]
-    assert main([*arguments, "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
-    assert record["error_radius"] == {"level": 0.95, "rows": 9, "position": None, "moment": None}
-    assert "unknown from 9 rows" in (model / "MODEL_CARD.md").read_text()
-    length = record["scene"]["rod"][0]["length"]
-    np.savetxt(pose, np.column_stack([[length, 0.0, 0.0], np.eye(3)]))
-    assert main(["invert", str(model), "--pose", str(pose)]) == 0
-    assert "unknown from 9 rows" in " ".join(capsys.readouterr().out.split())
+def test_few_rows_leave_the_radius_unknown():
+    """Of 9 rows none is the 95 % quantile (19 are needed): the radius is infinite."""
+    radius = ErrorRadius(0.95, 9, math.inf, math.inf).as_dict()
+    assert radius["position"] is None
+    assert radius["moment"] is None
+    assert "unknown from 9 rows" in radius_text(radius)
 
 
-@pytest.mark.parametrize("kind", ["polynomial", "equivariant", "cnn"])
+@pytest.mark.parametrize("kind", ["polynomial", "equivariant", "cnn", "mlp"])
 def test_ancf_train_track_and_invert(data, capsys, tmp_path, kind, poses):
     if kind != "polynomial":
         pytest.importorskip("torch")
@@ -287,6 +288,38 @@ def test_bad_arguments_are_refused(data, capsys, tmp_path):
         assert word in capsys.readouterr().err
 
 
+def test_a_full_disk_leaves_no_part_of_a_file(data, capsys, tmp_path, monkeypatch):
+    import surrogate.whole_file
+
+    def full(handle):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(surrogate.whole_file.os, "fsync", full)
+    arguments = ["train", str(data), "--model", "polynomial", "--out", str(tmp_path / "m")]
+    assert main([*arguments, "--allow-unvalidated"]) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert not list((tmp_path / "m").iterdir())
+
+
+def test_a_full_disk_leaves_the_old_model(poses, tmp_path, monkeypatch):
+    """The second of two files does not fit: the first is not replaced either."""
+    import surrogate.whole_file
+
+    save(tmp_path, cnn(0), KEPT)
+    calls = []
+
+    def full(handle):
+        calls.append(handle)
+        if len(calls) == 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(surrogate.whole_file.os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        save(tmp_path, cnn(1), KEPT)
+    np.testing.assert_array_equal(load_model(tmp_path).model.predict(poses), cnn(0).predict(poses))
+    assert sorted(path.name for path in tmp_path.iterdir()) == [RECORD, WEIGHTS]
+
+
 def test_the_table_is_one_stack_of_folds(data, capsys):
     pytest.importorskip("torch")
     problem = rescaled(problem_of(load(data)), 2.0)
@@ -337,7 +370,8 @@ def test_models_are_compared(data, tmp_path, capsys):
     assert main([*arguments, "--out", str(tmp_path)]) == 0
     assert "Is a surrogate worth having?" in capsys.readouterr().out
     record = json.loads((tmp_path / "compare.json").read_text())
-    assert [m["kind"] for m in record["models"]] == ["closed form", "rbf", "polynomial", "cnn", "equivariant"]
+    kinds = [m["kind"] for m in record["models"]]
+    assert kinds == [*BASELINES, "polynomial", "mlp", "cnn", "equivariant"]
     for model in record["models"]:
         assert set(model["sets"]) == {"split", "off_grid", "trajectory", "noise", "outside", "slab"}
         assert model["solves"]["reached"] == 1.0 and model["sets"]["off_grid"]["unsolved"] == 0

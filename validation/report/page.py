@@ -38,6 +38,7 @@ from validation.report.hard_table import chapter
 from validation.report.matrix import matrices, slug
 from validation.report.sketch import sketch
 from validation.report.style import styled
+from validation.report.surrogate_study import study_chapter
 from validation.runner import Run
 from validation.scenes import as_toml
 
@@ -57,6 +58,7 @@ CONTENTS = (
     ("effects", "Effects: only what a scene lists"),
     ("hard-cases", "Hard cases"),
     ("paper", "The paper's figures 1 to 3"),
+    ("surrogate", "The surrogate: moments for a wanted pose"),
     ("decisions", "Where the paper is wrong or silent"),
     ("environment", "Environment and time"),
 )
@@ -81,11 +83,11 @@ class Card:
 
 def write_page(run: Run, folder: Path) -> Path:
     """Write `report.html` into a folder that exists; atomic."""
-    return write_text(folder / "report.html", render(run))
+    return write_text(folder / "report.html", render(run, folder))
 
 
-def render(run: Run) -> str:
-    """The page as text."""
+def render(run: Run, folder: Path) -> str:
+    """The page as text; a study of the surrogate is taken from the folder."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -100,10 +102,10 @@ def render(run: Run) -> str:
         margin=numbers.margin,
         seconds=numbers.seconds,
     )
-    return environment.get_template("report.html.j2").render(context(run))
+    return environment.get_template("report.html.j2").render(context(run, folder))
 
 
-def context(run: Run) -> dict[str, Any]:
+def context(run: Run, folder: Path) -> dict[str, Any]:
     """Everything the template needs."""
     verdict, reasons = run.verdict
     cards = [_card(result) for result in run.cases if not result.case.place]
@@ -138,6 +140,7 @@ def context(run: Run) -> dict[str, Any]:
         "variants": VARIANTS,
         "remedy_cases": (FORCE_CASES, MOMENT_CASES),
         "decisions": tomllib.loads((HERE / "decisions.toml").read_text(encoding="utf-8"))["decision"],
+        "surrogate": study_chapter(folder, run.certificate),
         "memory": peak_memory_mb(),
     }
 
