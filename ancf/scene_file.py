@@ -19,7 +19,7 @@ from ancf.added_effects import brought_tables, read_added
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
-from ancf.scene_contacts import check_options, read_contacts
+from ancf.scene_contacts import check_options, lying_rods, read_contacts
 from ancf.scene_joints import joined_rods, motion_as_joint, read_joints
 from ancf.scene_loads import (
     read_force,
@@ -134,10 +134,11 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "a scene needs at least one rod to simulate",
             "add a [[rod]] table with length, elements, section and material, or with segments",
         )
-    joined = joined_rods(data, [str(entry.data.get("name", default_name(0))) for entry in entries[:1]])
+    first = [str(entry.data.get("name", default_name(0))) for entry in entries[:1]]
+    joined, lying = joined_rods(data, first), lying_rods(data, first[0])
     solver = read_solver(table.table("solver")) if "solver" in table.data else SolverOptions()
     meshed = solver.accuracy is None
-    rods = tuple(read_rod(entry, index, joined, meshed) for index, entry in enumerate(entries))
+    rods = tuple(read_rod(entry, index, joined, meshed, lying) for index, entry in enumerate(entries))
     _check_names(entries, rods)
     scene = Scene(
         rods=rods,

@@ -58,8 +58,10 @@ def default_name(index: int) -> str:
     return "rod" if index == 0 else f"rod{index + 1}"
 
 
-def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: bool = True) -> Rod:
-    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold.
+def read_rod(
+    table: Table, index: int, joined: Collection[str] = (), meshed: bool = True, lying: Collection[str] = ()
+) -> Rod:
+    """Read one `[[rod]]` table; `joined` are the names of rods that joints hold, `lying` those on friction.
 
     Unless it is `meshed` it has no elements yet: `accuracy` chooses them.
     """
@@ -78,7 +80,7 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
-        supports=_supports(table, name in joined),
+        supports=_supports(table, name in joined, name in lying),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, element, formulation),
         any_element=not meshed and not any(key in table.data for key in ELEMENT_KEYS),
@@ -87,7 +89,7 @@ def read_rod(table: Table, index: int, joined: Collection[str] = (), meshed: boo
         check_cable(table, rod, name in joined)
     _check_slenderness(table, rod)
     _check_curvature(table, rod)
-    if name not in joined:  # else the whole structure decides: scene_joints.py
+    if name not in joined and rod.supports:  # else the whole structure decides: scene_joints.py, or friction
         _check_rigid_motion(table, rod)
     return rod
 
@@ -193,7 +195,7 @@ def read_direction(table: Table, key: str, default: Any) -> Floats:
     return vector / np.linalg.norm(vector)
 
 
-def _supports(table: Table, joined: bool) -> tuple[Support, ...]:
+def _supports(table: Table, joined: bool, lying: bool) -> tuple[Support, ...]:
     """Read the supports; a rod without the key is clamped at its base, unless a joint holds it."""
     if "supports" not in table.data:
         return () if joined else (Support(),)
@@ -211,13 +213,14 @@ def _supports(table: Table, joined: bool) -> tuple[Support, ...]:
                 "keep one of them",
             )
         supports.append(Support(at, entry.word("kind", SUPPORT_KINDS, "clamp")))
-    if not supports and not joined:
+    if not supports and not joined and not lying:
         table.refuse(
             "supports",
             "The rod has no support.",
             "supports = []",
             "a free rod has no equilibrium under a load, and no joint holds this one",
-            "remove the key (a clamp at 0), list at least one clamp, or hold the rod by a [[joint]]",
+            "remove the key (a clamp at 0), list at least one clamp, hold the rod by a [[joint]],"
+            " or lay it on an obstacle with friction",
         )
     return tuple(supports)
 
