@@ -67,7 +67,7 @@ class Touch:
 
     @property
     def work(self) -> float:
-        """What friction dissipates [J] since the anchors."""
+        """What friction dissipates [J] since the anchors, by the forces at the end: too much by a step."""
         return -float(np.sum(self.friction.T * self.u))
 
 
