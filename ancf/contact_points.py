@@ -56,7 +56,9 @@ def contact_points(model: RodModel, obstacle_radius: float) -> ContactPoints:
     xi = np.linspace(-1.0, 1.0, pieces + 1)
     element = model.element
     N = np.array([element.shape(xi, float(size))[:, 0] for size in h])
-    slopes = np.array([_slopes(element, xi, float(size)) for size in h]) if element.has_section else None
+    slopes = (
+        np.array([section_slopes(element, xi, float(size)) for size in h]) if element.has_section else None
+    )
     at = (breaks[:-1, None] + 0.5 * h[:, None] * (1.0 + xi)) / length
     radius = np.array([[_radius(model, min(float(place), 1.0)) for place in row] for row in at])
     share = np.full(pieces + 1, 1.0 / pieces)
@@ -67,23 +69,24 @@ def contact_points(model: RodModel, obstacle_radius: float) -> ContactPoints:
     return ContactPoints(N, slopes, at, radius, k)
 
 
-def _slopes(element: Element, xi: Floats, h: float) -> Floats:
-    """Weights (points, 3, nodal) of r_x, r_y and r_z."""
+def section_slopes(element: Element, xi: Floats, h: float) -> Floats:
+    """Weights (points, 3, nodal) of r_x, r_y and r_z at xi (points,) of an element of length h [m]."""
     directors = element.shape(xi, h)
     r_x = element.shape(xi, h, 1)[:, 0]
     return np.stack([r_x, directors[:, element.y_director], directors[:, element.z_director]], axis=1)
 
 
-def surface_weights(points: ContactPoints, e: Floats, arm: Floats) -> Floats:
+def surface_weights(N: Floats, slopes: Floats | None, e: Floats, arm: Floats) -> Floats:
     """Weights (m, points, nodal) of points fixed to sections at an arm (m, points, 3) [m] from the axis.
 
     N + A . slopes with A = [r_x r_y r_z]^-1 arm at the nodal vectors e (m, nodal, 3); the axis of a cable.
+    N (m, points, nodal), slopes (m, points, 3, nodal): see `ContactPoints`.
     """
-    if points.slopes is None:
-        return points.N
-    F = np.swapaxes(points.slopes @ e[:, None], -1, -2)
+    if slopes is None:
+        return N
+    F = np.swapaxes(slopes @ e[:, None], -1, -2)
     A = np.linalg.solve(F, arm[..., None])
-    return points.N + np.einsum("mpi,mpin->mpn", A[..., 0], points.slopes)
+    return N + np.einsum("mpi,mpin->mpn", A[..., 0], slopes)
 
 
 def _radius(model: RodModel, at: float) -> float:

@@ -8,10 +8,9 @@ equilibrium. With the normal n, P = I - n n^T, the normal force p, a multiplier 
 Between Newton runs l <- T. Where that stands still, a point that sticks has P u = 0, one that slips has
 |T| = mu p against its slip: the implicit Euler step of Coulomb's law (Simo and Laursen, Computers and
 Structures 42 (1992) 97; Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353). So the stiffness
-decides how fast, not what is found, and -T . u >= 0 is what a step dissipates. With dn = H dr,
+decides how fast, not what is found, and -T . u >= 0 is what a step dissipates. Its derivative,
 
-    dw = -k P du - ((n . v) I + n v^T) H dr,
-    dT = dw, or (mu p/|w|) (I - t t^T) dw + mu t dp,   dp = -k rho' n . dr:
+    dw = -k P du - ((n . v) I + n v^T) dn,   dT = dw, or (mu p/|w|) (I - t t^T) dw + mu t dp:
 
 no potential, and no symmetry where points slip.
 """
@@ -54,22 +53,15 @@ def traction(limit: Floats, k: Floats, n: Floats, u: Floats, multiplier: Floats)
     return Traction(share[..., None] * w, v, size, limit)
 
 
-def derivative(
-    found: Traction, mu: float, k: Floats, slope: Floats, n: Floats, H: Floats
-) -> tuple[Floats, Floats]:
-    """dT by the way u and by the place r on which n and p depend, (..., 3, 3) [N/m].
-
-    slope : -dp/dr . n = k rho' (...) [N/m]
-    """
+def derivative(found: Traction, mu: float, k: Floats, n: Floats) -> tuple[Floats, Floats, Floats]:
+    """dT by the way u (..., 3, 3) [N/m], the normal n (..., 3, 3) [N] and the normal force p (..., 3)."""
     one = np.eye(3)
-    slips = found.slips[..., None, None]
+    slips = found.slips[..., None]
     t = found.T / np.maximum(found.limit, 1e-300)[..., None]
     along = t[..., :, None] * t[..., None, :]
     share = (found.limit / np.maximum(found.size, 1e-300))[..., None, None]
-    M = np.where(slips, share * (one - along), one)
+    M = np.where(slips[..., None], share * (one - along), one)
     P = one - n[..., :, None] * n[..., None, :]
     by_u = -k[..., None, None] * (M @ P)
     across = np.sum(n * found.v, axis=-1)[..., None, None] * one + n[..., :, None] * found.v[..., None, :]
-    by_r = -M @ across @ H
-    pressed = mu * slope[..., None, None] * (t[..., :, None] * n[..., None, :])
-    return by_u, by_r - np.where(slips, pressed, 0.0)
+    return by_u, -M @ across, np.where(slips, mu * t, 0.0)

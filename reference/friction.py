@@ -8,7 +8,7 @@ friction carries F, l = F/(mu w), in which its tension falls in proportion: the 
 A round rod, its radius R, slips round a cylinder of radius a as its own shape, its axis at rho = a + R. With
 tension T, shear V, contact p and friction mu p on its surface, a lever R from the axis,
 
-    T' = V/rho + mu p,   V' = T/rho - p,   V = R mu p   (no change of moment),
+    T' = mu p - V/rho,   V' = T/rho - p,   V = R mu p   (no change of moment),
 
 so T grows as exp(c s), R mu c^2 + c - mu a/rho^2 = 0: Euler's rope mu/rho where R is nothing.
 """

@@ -98,7 +98,7 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
 
     bending, torsion (moments across and along the base's axis), force, axial tension, axial compression (all
     of it along the axis, positive at the end away from it), line load, tendon, pressure, spring, foundation,
-    contact, gravity.
+    contact, friction (of contact), gravity.
     """
     found = set()
     axis = rod.base.rotation[:, 0]
@@ -123,6 +123,7 @@ def loads_of(rod: Rod, scene: Scene) -> list[str]:
     found |= {"pressure" for chamber in scene.pressures if chamber.rod == rod.name and chamber.value}
     found |= {"spring" for spring in scene.springs if spring.rod == rod.name}
     found |= {"contact" for contact in scene.contacts if rod.name in (contact.rod, contact.other)}
+    found |= {"friction" for contact in scene.contacts if contact.rod == rod.name and contact.friction}
     found |= {"foundation" for bed in scene.foundations if bed.rod == rod.name}
     return sorted(found | ({"gravity"} if scene.gravity is not None else set()))
 

@@ -4,7 +4,7 @@ To the normal force of contact.py comes the tangential force T of friction_law.p
 the rod's surface that touched at the last accepted equilibrium. It is fixed to its section by A = F^-1 (-R n)
 with F = [r_x r_y r_z], so W = N + A . slopes gives its way u = W e - x from its place x then, and
 
-    Q = N^T p n + W^T T,   dQ/de = N^T dF N + W^T (dT/du W + dT/dr N).
+    Q = N^T p n + W^T T,   dQ/de = N^T dF N + W^T (dT/du W + (dT/dn H - dT/dp k rho' n^T) N).
 
 So friction rolls and twists a rod. A cable has no sections: friction acts on its axis. A point that was
 farther away than a radius slides freely in the step that brings it into contact.
@@ -104,7 +104,8 @@ class FrictionalContact(ObstacleContact):
         Q, K = super().force_and_tangent(e)
         touch = self._touch(e)
         slope = self.law.k * self.law.slope(touch.g)
-        by_u, by_r = derivative(touch.friction, self.friction, self.stiffness, slope, touch.n, touch.H)
+        by_u, by_n, by_p = derivative(touch.friction, self.friction, self.stiffness, touch.n)
+        by_r = by_n @ touch.H - by_p[..., :, None] * (slope[..., None] * touch.n)[..., None, :]
         rubs = np.any(touch.friction.limit > 0.0, axis=1)
         W, N = self.anchors.W[rubs], self.points.N[rubs]
         rubbed = np.einsum("mpi,mpj,mpab->miajb", W, W, by_u[rubs], optimize=True)
@@ -149,7 +150,7 @@ class FrictionalContact(ObstacleContact):
     def _anchors(self, e: Floats, T: Floats, dissipated: float) -> Anchors:
         """The points that touch at e, or would touch next, under tangential forces T."""
         D, n, _ = self.obstacle.distance(self.places(e))
-        W = surface_weights(self.points, e, -self.points.radius[..., None] * n)
+        W = surface_weights(self.points.N, self.points.slopes, e, -self.points.radius[..., None] * n)
         near = 2.0 * self.points.radius >= D
         return Anchors(W, W @ e + self.base, T, near, self.law.a, self.law.k, dissipated)
 

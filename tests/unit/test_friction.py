@@ -313,7 +313,8 @@ def test_the_return_mapping_has_an_exact_derivative(u, multiplier, mu):
         return  # the corner, and a direction that is not defined
     size = np.linalg.norm(r)
     n = r / size
-    by_u, by_r = derivative(found, mu, k, slope, n, (np.eye(3) - np.outer(n, n)) / size)
+    by_u, by_n, by_p = derivative(found, mu, k, n)
+    by_r = by_n @ (np.eye(3) - np.outer(n, n)) / size - slope * np.outer(by_p, n)
     steps = h * np.eye(3)
     change = [[(of(u + d, r).T - of(u - d, r).T) / (2 * h) for d in steps],
               [(of(u, r + d).T - of(u, r - d).T) / (2 * h) for d in steps]]  # fmt: skip
