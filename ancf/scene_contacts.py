@@ -47,10 +47,7 @@ def _read_contact(table: Table, rods: Sequence[Rod]) -> Contact:
     body.get("name", REQUIRED)
     other = body.known("name", names, "rod", "the contact is with a rod that the scene does not list")
     _check_round(body, rods[names.index(other)])
-    if friction != 0.0:
-        now = "friction between a rod and an obstacle, and rods that touch without it"
-        table.refuse_later("friction", "Friction between rods", now)
-    return Contact(name, other=other)
+    return Contact(name, other=other, friction=friction)
 
 
 def _read_obstacle(table: Table) -> Obstacle:

@@ -43,6 +43,11 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
             found.append(FrictionalContact(models[contact.rod], contact.obstacle, contact.friction, index))
         elif contact.obstacle is not None:
             found.append(ObstacleContact(models[contact.rod], contact.obstacle, index))
+        elif contact.other is not None and contact.friction > 0.0:
+            from ancf.effects.frictional_rod_contact import FrictionalRodContact
+
+            pair = models[contact.rod], models[contact.other]
+            found.append(FrictionalRodContact(*pair, contact.friction, index))
         elif contact.other is not None:
             from ancf.effects.rod_contact import RodContact
 

@@ -341,10 +341,6 @@ BAD = {
     "arc length": ({"contact": plane(0.1), "solver": {"method": "arclength"}}, ("solver.method",)),
     "stability": ({"contact": plane(0.1), "stability": {}}, ("stability",)),
     "no steps": ({"contact": plane(0.1), "solver": {"friction_steps": 0}}, ("friction_steps",)),
-    "between rods": (
-        {"contact": [{"with": {"shape": "rod", "name": "rod"}, "friction": 0.1}]},
-        ("Friction between rods", "not in this version"),
-    ),
 }
 
 
