@@ -38,6 +38,10 @@ class Traction:
     size: Floats  # |w| (...)
     limit: Floats  # mu p (...)
 
+    def taken(self, which: NDArray[np.intp]) -> Traction:
+        """Some of the points."""
+        return Traction(self.T[which], self.v[which], self.size[which], self.limit[which])
+
     @property
     def slips(self) -> Flags:
         """Points (...) at their limit, also those that begin a step there; what carries nothing slips."""

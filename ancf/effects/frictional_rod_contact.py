@@ -107,9 +107,12 @@ class FrictionalRodContact(RodContact):
         return RodTouch(found, weights, g, p, W, u, rubs)
 
     def _forces(self, touch: RodTouch) -> Floats:
-        Q = np.einsum("pn,pc->pnc", touch.W, touch.friction.T)
-        Q[:, : touch.weights.shape[1]] += np.einsum("p,pn,pc->pnc", touch.p, touch.weights, touch.found.n)
-        return self._summed(Q)
+        on = np.flatnonzero(touch.p)
+        Q = touch.W[on, :, None] * touch.friction.T[on, None]
+        Q[:, : touch.weights.shape[1]] += (
+            touch.weights[on, :, None] * (touch.p[on, None] * touch.found.n[on])[:, None]
+        )
+        return self._summed(Q, on)
 
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
@@ -118,18 +121,21 @@ class FrictionalRodContact(RodContact):
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; unsymmetric."""
         touch = self._touch(e)
-        found, weights, n = touch.found, touch.weights, touch.found.n
-        across, t, l_se, l_ss = self._turning(e, found, weights)
-        pairs, both, all_three = len(n), 3 * weights.shape[1], 3 * touch.W.shape[1]
+        slope = self._sizes(touch.g)[1]
+        on = np.flatnonzero(slope)
+        n, weights, W = touch.found.n[on], touch.weights[on], touch.W[on]
+        turning = self._turning(self._split(e)[1][on], touch.found.taken(on), weights)
+        across, t, l_se, l_ss = turning
+        pairs, both, all_three = len(on), 3 * weights.shape[1], 3 * W.shape[1]
         dn = np.einsum("pac,pn->panc", across, weights).reshape(pairs, 3, both)
         dn += (across @ t[:, :, None]) * (l_se / l_ss[:, None])[:, None, :]
-        dp = -self._sizes(touch.g)[1][:, None] * np.einsum("pn,pc->pnc", weights, n).reshape(pairs, both)
-        by_u, by_n, by_p = derivative(touch.friction, self.friction, self._stiffness(), n)
-        dT = np.einsum("pac,pn->panc", by_u, touch.W).reshape(pairs, 3, all_three)
+        dp = -slope[on, None] * (weights[:, :, None] * n[:, None]).reshape(pairs, both)
+        by_u, by_n, by_p = derivative(touch.friction.taken(on), self.friction, self._stiffness()[on], n)
+        dT = np.einsum("pac,pn->panc", by_u, W).reshape(pairs, 3, all_three)
         dT[:, :, :both] += by_n @ dn + by_p[:, :, None] * dp[:, None, :]
-        K = np.einsum("pn,paj->pnaj", touch.W, dT).reshape(pairs, all_three, all_three)
-        K[:, :both, :both] += self._tangent(e, found, weights, touch.g)
-        return self._forces(touch), self._summed(K)
+        K = (W[:, :, None, None] * dT[:, None]).reshape(pairs, all_three, all_three)
+        K[:, :both, :both] += self._tangent(n, weights, turning, touch.p[on], slope[on])
+        return self._forces(touch), self._summed(K, on)
 
     def potential(self, e: Floats) -> None:
         """See `Effect.potential`: friction has none."""

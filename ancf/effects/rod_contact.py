@@ -66,6 +66,11 @@ class Closest:
     n: Floats
     shapes: tuple[Floats, Floats, Floats]  # N_B and its derivatives by x (pairs, nodal)
 
+    def taken(self, which: Indices) -> Closest:
+        """Some of them."""
+        N, N_x, N_xx = (shape[which] for shape in self.shapes)
+        return Closest(self.xi[which], self.free[which], self.length[which], self.n[which], (N, N_x, N_xx))
+
 
 class RodContact(Effect):
     """Contact of the points of rod `a` with the axis of rod `b`, which may be the same."""
@@ -106,10 +111,10 @@ class RodContact(Effect):
         dofs = [rod.dofs[column] for rod, column in zip(rods, blocks.T, strict=True)]
         self.dofs = np.concatenate(dofs, axis=1)
 
-    def _summed(self, values: Floats) -> Floats:
-        """Values of the pairs summed by block."""
+    def _summed(self, values: Floats, pairs: Indices) -> Floats:
+        """Values of some pairs summed by block."""
         total = np.zeros((len(self.dofs), *values.shape[1:]))
-        np.add.at(total, self._block, values)
+        np.add.at(total, self._block[pairs], values)
         return total
 
     def _search(self, e_a: Floats, e_b: Floats) -> Pairs:
@@ -143,17 +148,21 @@ class RodContact(Effect):
         """Closest points of pairs with nodal vectors e_a, e_b (pairs, nodal, 3)."""
         r_a = np.einsum("pn,pnc->pc", self._N[pairs.point], e_a) + self.base
         xi, h = pairs.start.copy(), self.b.mesh.h[pairs.element]
+        left = np.arange(len(xi))  # that still move
         for _ in range(ITERATIONS):
-            N, N_x, N_xx = (_shape(self.b, xi, h, order) for order in (0, 1, 2))
-            D = r_a - np.einsum("pn,pnc->pc", N, e_b)
-            t, t_x = np.einsum("pn,pnc->pc", N_x, e_b), np.einsum("pn,pnc->pc", N_xx, e_b)
+            here, size_here = e_b[left], h[left]
+            N, N_x, N_xx = (_shape(self.b, xi[left], size_here, order) for order in (0, 1, 2))
+            D = r_a[left] - np.einsum("pn,pnc->pc", N, here)
+            t, t_x = np.einsum("pn,pnc->pc", N_x, here), np.einsum("pn,pnc->pc", N_xx, here)
             slope = np.sum(D * t, axis=1)  # of -|D|^2/2
             size = np.sum(t * t, axis=1)
             curvature = np.maximum(size - np.sum(D * t_x, axis=1), 0.1 * size)
-            new = np.clip(xi + 2.0 / h * slope / curvature, pairs.low, pairs.high)
-            still = bool(np.all(np.abs(new - xi) <= STILL))
-            xi = new
-            if still:
+            new = xi[left] + 2.0 / size_here * slope / curvature
+            new = np.clip(new, pairs.low[left], pairs.high[left])
+            moves = np.abs(new - xi[left]) > STILL
+            xi[left] = new
+            left = left[moves]
+            if not len(left):
                 break
         shapes = tuple(_shape(self.b, xi, h, order) for order in (0, 1, 2))
         D = r_a - np.einsum("pn,pnc->pc", shapes[0], e_b)
@@ -187,15 +196,14 @@ class RodContact(Effect):
         weights = np.concatenate([self._N[self.pairs.point], -found.shapes[0]], axis=1)
         return found, weights, self._gap(self.pairs, found.length)
 
-    def _turning(self, e: Floats, found: Closest, weights: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def _turning(self, e_b: Floats, found: Closest, weights: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """(I - n n^T)/l (pairs, 3, 3), t (pairs, 3), l_se (pairs, nd), l_ss (pairs,), inf where s stays."""
         n, length = found.n, found.length
         across = (np.eye(3) - n[:, :, None] * n[:, None, :]) / length[:, None, None]
-        _, e_b = self._split(e)
         _, N_x, N_xx = found.shapes
         t, t_x = np.einsum("pn,pnc->pc", N_x, e_b), np.einsum("pn,pnc->pc", N_xx, e_b)
         l_ss = np.sum(t * t, axis=1) / length - np.sum(n * t_x, axis=1)
-        l_se = -np.einsum("pn,pab,pb->pna", weights, across, t)
+        l_se = -weights[:, :, None] * (across @ t[:, :, None])[:, None, :, 0]
         l_se[:, self._N.shape[1] :] -= N_x[:, :, None] * n[:, None, :]
         l_ss = np.where(found.free & (l_ss > 0.0), l_ss, np.inf)
         return across, t, l_se.reshape(len(weights), 3 * weights.shape[1]), l_ss
@@ -208,23 +216,31 @@ class RodContact(Effect):
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         found, weights, g = self._at(e)
-        return self._summed(np.einsum("p,pn,pc->pnc", self._sizes(g)[0], weights, found.n))
+        return self._normal(found, weights, self._sizes(g)[0])
+
+    def _normal(self, found: Closest, weights: Floats, size: Floats) -> Floats:
+        """Generalised normal forces of the blocks."""
+        on = np.flatnonzero(size)
+        return self._summed(weights[on, :, None] * (size[on, None] * found.n[on])[:, None], on)
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; symmetric."""
         found, weights, g = self._at(e)
-        K = self._tangent(e, found, weights, g)
-        return self._summed(np.einsum("p,pn,pc->pnc", self._sizes(g)[0], weights, found.n)), self._summed(K)
-
-    def _tangent(self, e: Floats, found: Closest, weights: Floats, g: Floats) -> Floats:
-        """Tangent (pairs, nd, nd) of the normal forces."""
         size, slope = self._sizes(g)
-        n = found.n
-        across, _, l_se, l_ss = self._turning(e, found, weights)
+        on = np.flatnonzero(slope)  # few of those that are near
+        turning = self._turning(self._split(e)[1][on], found.taken(on), weights[on])
+        K = self._tangent(found.n[on], weights[on], turning, size[on], slope[on])
+        return self._normal(found, weights, size), self._summed(K, on)
+
+    def _tangent(
+        self, n: Floats, weights: Floats, turning: tuple[Floats, ...], size: Floats, slope: Floats
+    ) -> Floats:
+        """Tangent (pairs, nd, nd) of the normal forces."""
+        across, _, l_se, l_ss = turning
         dF = size[:, None, None] * across - slope[:, None, None] * (n[:, :, None] * n[:, None, :])
         nd = 3 * weights.shape[1]
-        K = np.einsum("pm,pn,pab->pmanb", weights, weights, dF).reshape(len(weights), nd, nd)
-        return K - (size / l_ss)[:, None, None] * l_se[:, :, None] * l_se[:, None, :]
+        K = (weights[:, :, None] * weights[:, None, :])[:, :, None, :, None] * dF[:, None, :, None, :]
+        return K.reshape(-1, nd, nd) - (size / l_ss)[:, None, None] * l_se[:, :, None] * l_se[:, None, :]
 
     def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`."""

@@ -212,7 +212,9 @@ def test_everything_turned_is_the_solution_turned(shape):
     plain, turned = solved(np.eye(3), np.zeros(3)), solved(turn, shift)
     friction = [np.array(rubbing(s)["friction"]["force"]) for s in (plain, turned)]
     assert np.linalg.norm(friction[0]) > 1e-3 * EI
-    np.testing.assert_allclose(friction[1], turn @ friction[0], atol=1e-6 * np.linalg.norm(friction[0]))
+    np.testing.assert_allclose(
+        friction[1], turn @ friction[0], atol=1e-6 * float(np.linalg.norm(friction[0]))
+    )
     place = plain.tip().position
     np.testing.assert_allclose(turned.tip().position, turn @ place + shift, atol=1e-8 * L)
 

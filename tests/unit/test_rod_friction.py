@@ -30,6 +30,11 @@ def effect_of(model):
     return effect
 
 
+def anchors_of(effect):
+    assert effect.anchors is not None
+    return effect.anchors
+
+
 def test_a_rod_slides_along_another():
     """Friction mu N against a force along the lower rod, which does not give way (reference/friction.py)."""
     P = 0.02 * EI / L**2
@@ -41,7 +46,7 @@ def test_a_rod_slides_along_another():
     assert contact["penetration"] <= 1e-4 * RADIUS
     # On its way it comes 0.2 % nearer to the lower rod's base, which is 0.4 % stiffer there.
     assert friction["force"][1] == pytest.approx(MU * N, rel=6e-3)
-    assert friction["force"][1] == pytest.approx(MU * contact["force"][2], rel=1e-3)
+    assert friction["force"][1] == pytest.approx(MU * contact["force"][2], rel=3e-3)
     assert (friction["sticking"], friction["slipping"]) == (0, 1)
     way = -solution.tip("upper").position[1]
     assert way == pytest.approx(rubbing_tip(L, EI, across, MU, N), rel=0.01)
@@ -86,7 +91,7 @@ def shaken(kind, shift=0.0):
     effect.search(q)
     effect.commit(q)
     effect.multiplier = 0.02 * effect.law.k.max() * rng.uniform(-1, 1, effect.multiplier.shape)
-    effect.anchors.near[:] = True
+    anchors_of(effect).near[:] = True
     q = q + 0.002 * rng.uniform(-1, 1, model.n) * model.unit
     if shift:
         for rod in model.rods[1:]:  # along itself
@@ -106,7 +111,7 @@ def test_the_tangent_is_exact(kind, shift, stickiness):
     touch = effect._touch(e)
     assert touch.friction.slips.any()
     if shift:
-        assert np.any(effect.anchors.element[effect.pairs.point] != effect.pairs.element)
+        assert np.any(anchors_of(effect).element[effect.pairs.point] != effect.pairs.element)
     rng = np.random.default_rng(6)
     way, h = rng.uniform(-1, 1, e.shape) * blocks_of(model.unit, effect.dofs), 1e-7
     Q, K = effect.force_and_tangent(e)
@@ -125,7 +130,7 @@ def test_forces_on_both_rods_balance():
     e = blocks_of(q, effect.dofs)
     touch = effect._touch(e)
     assert np.abs(touch.friction.T).max() > 0.0
-    tangential = effect._summed(np.einsum("pn,pc->pnc", touch.W, touch.friction.T))
+    tangential = effect._summed(np.einsum("pn,pc->pnc", touch.W, touch.friction.T), np.arange(len(touch.W)))
     scale = np.abs(touch.friction.T).sum()
     np.testing.assert_allclose(tangential[:, ::3].sum(axis=(0, 1)), 0.0, atol=1e-12 * scale)
     base = effect.base
@@ -160,11 +165,11 @@ def test_a_rigid_motion_does_not_slip():
 
 def test_a_coil_rubs_on_itself():
     """Pressed onto the turn below and turned a little: forces of a rod on itself leave the reaction alone."""
-    rod, axis = coil()
+    rod, axis = coil(9)
     P = 1e-3
     contact = [{"with": {"shape": "rod", "name": "rod"}, "friction": MU}]
     scene = {"rod": [rod], "force": [{"value": (-P * axis).tolist()}], "contact": contact}
-    solution = ancf.solve(ancf.scene_from_dict(scene | {"solver": {"friction_steps": 5}}))
+    solution = ancf.solve(ancf.scene_from_dict(scene | {"solver": {"friction_steps": 4}}))
     assert solution.status == "converged", solution.reason
     (entry,) = solution.as_dict()["contacts"]
     friction = entry["friction"]
@@ -180,4 +185,4 @@ def test_rods_need_no_sections():
     rods[1]["base"] = {"position": [0.0, 0.0, -2 * RADIUS]}
     contact = [{"rod": "one", "with": {"shape": "rod", "name": "two"}, "friction": MU}]
     effect = effect_of(Model(ancf.scene_from_dict({"rod": rods, "contact": contact})))
-    np.testing.assert_array_equal(effect.anchors.W_A, effect._N)
+    np.testing.assert_array_equal(anchors_of(effect).W_A, effect._N)
