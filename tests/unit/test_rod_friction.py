@@ -49,7 +49,7 @@ def test_a_rod_slides_along_another():
     assert friction["force"][1] == pytest.approx(MU * contact["force"][2], rel=3e-3)
     assert (friction["sticking"], friction["slipping"]) == (0, 1)
     way = -solution.tip("upper").position[1]
-    assert way == pytest.approx(rubbing_tip(L, EI, across, MU, N), rel=0.01)
+    assert way == pytest.approx(rubbing_tip(L, EI, across, MU, N), rel=0.02)
     # Loads grow together from the touch on: half of force times way, by steps of 1/20 a 20th more.
     assert friction["dissipated"] == pytest.approx(1.05 * MU * N * way / 2, rel=0.03)
     assert solution.balance().relative <= 1e-9 and solution.stable is None
