@@ -33,6 +33,9 @@ STIFFNESS = 1e6
 class ContactPoints:
     """Points of one rod; those that a support holds carry no force.
 
+    What presses on the half spacing beside a support is part of its reaction: the force that contact reports
+    lacks it, of first order in the spacing. The balance of the rod does not.
+
     Of all elements: N (m, points, nodal) weights of the nodal vectors, slopes (m, points, 3, nodal) those of
     r_x, r_y and r_z (none of a cable, which has no sections), at (m, points) fractions of length,
     radius (m, points) [m], k (m, points) [N/m].
