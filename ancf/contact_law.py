@@ -46,6 +46,10 @@ class PenaltyLaw:
         self.a = np.zeros_like(self.k)
         self.error = np.inf
 
+    def go_on(self, a: Floats, k: Floats) -> None:
+        """Take up multipliers and stiffnesses of an earlier state; the next round is a first one."""
+        self.a, self.k, self.error = a, k, np.inf
+
     def depth(self, g: Floats) -> Floats:
         """rho(a - g) [m], the depth that the force stands for."""
         x, d = self.a - g, self.d

@@ -149,10 +149,19 @@ def explain(model: Model, trace: Trace) -> Message:
     elif load > EXTREME_LOAD:
         cause = f"the load is {load:.1e} times E I / L^2 (moments: E I / L), far beyond the rod's stiffness"
         advice = "check the units of load, modulus and section"
+    elif lying := lying_rods(model):
+        cause = f"nothing but friction holds rod {lying[0]!r}, and it slides"
+        advice = "raise `friction` of its [[contact]], load it less along the surface, or give it a support"
     elif turn > LARGEST_TURN:
         cause = f"elements too long: one turns by {turn:.2g} rad between its ends"
         advice = f"use at least {turn / (0.5 * LARGEST_TURN):.0f} times as many elements"
     return Message(what, where, value, cause, advice)
+
+
+def lying_rods(model: Model) -> list[str]:
+    """Rods without support or joint, which contact alone holds."""
+    joined = {place.rod for joint in model.scene.joints for place in joint.places}
+    return [rod.name for rod in model.scene.rods if not rod.supports and rod.name not in joined]
 
 
 def is_collapsed(model: Model, q: Floats) -> bool:

@@ -159,6 +159,21 @@ class Model:
         for effect in self.settling:
             effect.release()
 
+    @property
+    def path_dependent(self) -> bool:
+        """Whether an effect depends on the way of load steps."""
+        return any(effect.path_dependent for effect in self.effects)
+
+    def commit(self, q: Floats) -> None:
+        """Begin the next load step at the accepted equilibrium q (n,)."""
+        for effect in self.settling:
+            effect.commit(q)
+
+    def restart(self) -> None:
+        """Go back to the beginning of a load step that has failed."""
+        for effect in self.settling:
+            effect.restart()
+
     def room(self, q: Floats, q_new: Floats) -> float:
         """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
         return min((effect.room(q, q_new) for effect in self.settling), default=np.inf)

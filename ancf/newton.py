@@ -43,6 +43,9 @@ LONGEST = 0.1
 # Near a critical point rounding of the residual moves a soft shape by more than the tolerance: a step so
 # small that no longer falls is noise, and the residual alone decides.
 NOISE_STEP, NOISE_RATIO = 1e-7, 0.1
+# Of the step before the last one, over which a step says that friction goes to and fro. Then the step ends
+# where forces work along it by no more than this share of what they do at its beginning.
+REPEATS, STILL_WORKS, SEARCHES = 0.5, 0.3, 12
 # Steps that stay below the tolerance while the residual does not fall: stuck above the floor.
 STAGNATION = 4
 
@@ -163,6 +166,8 @@ class NewtonRun:
         if step > DIVERGED_STEP or lost:
             return Outcome.DIVERGED
         share = min(1.0, LONGEST / step) if model.settling and step > 0.0 else 1.0
+        if model.path_dependent and self._repeats():
+            share = self._turning_point(share * dq) * share
         while share >= SMALLEST_SHARE and model.inside_out(self.q + share * dq):
             share *= 0.5
         if share < SMALLEST_SHARE:
@@ -176,6 +181,37 @@ class NewtonRun:
             outcome = self._check()
         result.q, result.load_factor = self.q, self.load_factor
         return outcome
+
+    def _repeats(self) -> bool:
+        """Whether steps repeat each other: back and forth over a corner, from sticking to slipping."""
+        steps = [entry.step for entry in self.result.history[-3:]]
+        return len(steps) == 3 and steps[2] > REPEATS * steps[0] and steps[2] > NOISE_STEP
+
+    def _turning_point(self, dq: Floats) -> float:
+        """Share of a step at which the forces stop working along it (Matthies and Strang 1979), at most 1.
+
+        By regula falsi (Illinois) on G(s) = dq . g(q + s dq), to a share of G(0).
+        """
+
+        def work(s: float) -> float:
+            forces = self.model.residual(self.q + s * dq, self.load_factor)
+            return float(forces.at(self.load_factor) @ dq)
+
+        low, high, G_low, G_high = 0.0, 1.0, work(0.0), work(1.0)
+        first, s = abs(G_low), 1.0
+        if not G_low * G_high < 0.0:
+            return 1.0
+        for _ in range(SEARCHES):
+            s = (low * G_high - high * G_low) / (G_high - G_low)
+            G = work(s)
+            if abs(G) <= STILL_WORKS * first:
+                break
+            if G * G_high < 0.0:
+                low, G_low = high, G_high
+            else:
+                G_low *= 0.5
+            high, G_high = s, G
+        return s
 
     def _check(self) -> Outcome | None:
         """Converged if the residual at the new iterate agrees; stuck if it has not so often."""

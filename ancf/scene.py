@@ -245,6 +245,7 @@ class SolverOptions:
     reduction: str = "auto"
     max_steps: int = 200
     max_seconds: float = 600.0
+    friction_steps: int = 20  # fewest load steps where a contact has friction
     accuracy: float | None = None  # wanted tip error / length; the program then chooses the mesh
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from ancf.obstacles import Cylinder, Obstacle, Plane, Sphere
 from ancf.scene import Contact, Rod, Scene
@@ -26,21 +27,27 @@ def read_contacts(table: Table, rods: Sequence[Rod]) -> tuple[Contact, ...]:
     return tuple(_read_contact(entry, rods) for entry in table.tables("contact"))
 
 
+def lying_rods(data: Mapping[Any, Any], first: str) -> set[str]:
+    """Rods that contacts with friction in the raw scene name, unchecked: it may hold them."""
+    contacts = data.get("contact", ())
+    contacts = contacts if isinstance(contacts, list | tuple) else ()
+    return {str(c.get("rod", first)) for c in contacts if isinstance(c, Mapping) and c.get("friction")}
+
+
 def _read_contact(table: Table, rods: Sequence[Rod]) -> Contact:
     table.expect_keys(("rod", "with", "friction"))
     names = [rod.name for rod in rods]
     name = table.known("rod", names, "rod", "the contact is of a rod that the scene does not list")
-    if table.number("friction", NUMBER, 0.0, NOT_NEGATIVE) != 0.0:
-        table.refuse_later("friction", "Friction", "contact without friction (friction = 0)")
+    friction = table.number("friction", NUMBER, 0.0, NOT_NEGATIVE)
     _check_round(table, rods[names.index(name)])
     body = table.table("with", REQUIRED)
     if body.word("shape", (*SHAPES, "rod")) != "rod":
-        return Contact(name, _read_obstacle(body))
+        return Contact(name, _read_obstacle(body), friction=friction)
     body.expect_keys(("shape", "name"))
     body.get("name", REQUIRED)
     other = body.known("name", names, "rod", "the contact is with a rod that the scene does not list")
     _check_round(body, rods[names.index(other)])
-    return Contact(name, other=other)
+    return Contact(name, other=other, friction=friction)
 
 
 def _read_obstacle(table: Table) -> Obstacle:

@@ -164,11 +164,15 @@ class Foundation:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contact of a rod with a rigid obstacle or with the rod `other`, which may be itself; no friction."""
+    """Contact of a rod with a rigid obstacle or with the rod `other`, which may be itself.
+
+    `friction` is Coulomb's coefficient.
+    """
 
     rod: str
     obstacle: Obstacle | None = None
     other: str | None = None
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from ancf.added_effects import brought_tables, read_added
 from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
-from ancf.scene_contacts import check_options, read_contacts
+from ancf.scene_contacts import check_options, lying_rods, read_contacts
 from ancf.scene_effects import EFFECT_MODULES
 from ancf.scene_joints import joined_rods, moved_rods, read_joints
 from ancf.scene_loads import (
@@ -118,10 +118,10 @@ def scene_from_dict(data: Mapping[str, Any], where: str = "scene") -> Scene:
             "add a [[rod]] table with length, elements, section and material, or with segments",
         )
     first = [str(entry.data.get("name", default_name(0))) for entry in entries[:1]]
-    joined, moved = joined_rods(data, first), moved_rods(data, first)
+    joined, moved, lying = joined_rods(data, first), moved_rods(data, first), lying_rods(data, first[0])
     solver = read_solver(table.table("solver")) if "solver" in table.data else SolverOptions()
     meshed = solver.accuracy is None
-    rods = tuple(read_rod(entry, index, joined, meshed, moved) for index, entry in enumerate(entries))
+    rods = tuple(read_rod(entry, index, joined, meshed, moved, lying) for index, entry in enumerate(entries))
     _check_names(entries, rods)
     springs = tuple(read_spring(entry, rods) for entry in table.tables("spring"))
     foundations = tuple(read_foundation(entry, rods) for entry in table.tables("foundation"))

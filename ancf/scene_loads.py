@@ -155,6 +155,7 @@ def read_solver(table: Table) -> SolverOptions:
         "reduction",
         "max_steps",
         "max_seconds",
+        "friction_steps",
     )
     table.expect_keys(known)
     defaults = SolverOptions()
@@ -167,6 +168,7 @@ def read_solver(table: Table) -> SolverOptions:
         reduction=table.word("reduction", ("auto", "full", "planar"), defaults.reduction),
         max_steps=table.whole("max_steps", 1, MOST_STEPS, defaults.max_steps),
         max_seconds=table.number("max_seconds", TIME, defaults.max_seconds, SECONDS),
+        friction_steps=table.whole("friction_steps", 1, MOST_STEPS, defaults.friction_steps),
         accuracy=accuracy,
     )
 

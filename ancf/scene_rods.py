@@ -59,8 +59,9 @@ def read_rod(
     joined: Collection[str] = (),
     meshed: bool = True,
     moved: Collection[str] = (),
+    lying: Collection[str] = (),
 ) -> Rod:
-    """Read one `[[rod]]` table; `joined` and `moved` are the names of rods that joints and motions hold.
+    """Read one `[[rod]]` table; `joined`, `moved`, `lying`: the rods that joints, motions, friction hold.
 
     Unless it is `meshed` it has no elements yet: `accuracy` chooses them. A rod with motions keeps the clamp
     at its base unless it lists its supports, which may then be fewer.
@@ -80,7 +81,7 @@ def read_rod(
         formulation=formulation,
         axial_rule=_axial_rule(table),
         base=_base(table.table("base", {})),
-        supports=_supports(table, name in joined, name in moved),
+        supports=_supports(table, name in joined, name in moved or name in lying),
         curvature=table.vector("curvature", 3, CURVATURE, (0.0, 0.0, 0.0), SIGNED),
         shear_factors=_shear_factors(table, element, formulation),
         any_element=not meshed and not any(key in table.data for key in ELEMENT_KEYS),
@@ -89,8 +90,8 @@ def read_rod(
         check_cable(table, rod, name in joined)
     check_slenderness(table, rod)
     check_curvature(table, rod)
-    # Else the whole structure decides: scene_joints.py.
-    if name not in joined and not (name in moved and "supports" in table.data):
+    # Else the whole structure decides (scene_joints.py), or friction.
+    if name not in joined and rod.supports and not (name in moved and "supports" in table.data):
         check_rigid_motion(table, rod)
     return rod
 
@@ -196,7 +197,7 @@ def read_direction(table: Table, key: str, default: Any) -> Floats:
     return vector / np.linalg.norm(vector)
 
 
-def _supports(table: Table, joined: bool, moved: bool) -> tuple[Support, ...]:
+def _supports(table: Table, joined: bool, free: bool) -> tuple[Support, ...]:
     """Read the supports; a rod without the key is clamped at its base, unless a joint holds it."""
     if "supports" not in table.data:
         return () if joined else (Support(),)
@@ -214,12 +215,13 @@ def _supports(table: Table, joined: bool, moved: bool) -> tuple[Support, ...]:
                 "keep one of them",
             )
         supports.append(Support(at, entry.word("kind", SUPPORT_KINDS, "clamp")))
-    if not supports and not (joined or moved):
+    if not supports and not (joined or free):
         table.refuse(
             "supports",
             "The rod has no support.",
             "supports = []",
             "a free rod has no equilibrium under a load, and no joint holds this one",
-            "remove the key (a clamp at 0), list at least one clamp, or hold the rod by a [[joint]]",
+            "remove the key (a clamp at 0), list at least one clamp, hold the rod by a [[joint]],"
+            " or lay it on an obstacle with friction",
         )
     return tuple(supports)

@@ -73,7 +73,8 @@ def find_equilibrium(model: Model, start: Floats | None = None, deadline: float 
     if model.scene.follows_path:
         return _follow(model, trace, deadline)  # a path begins at the reference, whatever the start
     model.release()
-    if start is not None and _try_at_once(model, trace, start, deadline):
+    # With friction the way counts: it begins at the reference too.
+    if start is not None and not model.path_dependent and _try_at_once(model, trace, start, deadline):
         return trace
     # A prescribed motion is walked, and so is contact: at once they would lead anywhere, or through it.
     if options.predictor == "auto" and model.longest_step >= 1.0 and not model.settling:
@@ -108,7 +109,7 @@ def _contact_settled(model: Model, before: Floats, result: NewtonResult, deadlin
         result.outcome = Outcome.OFF_PATH
     result = settled(model, result, deadline)
     if not result.converged:
-        model.release()
+        model.restart()
     return result
 
 
@@ -130,9 +131,10 @@ def is_stable(model: Model, result: NewtonResult) -> bool | None:
     """Whether an equilibrium is a minimum of the potential.
 
     Loads without a potential: False for an odd number of negative eigenvalues, by the sign of the
-    determinant, else None; an even number, and flutter, cannot be seen so.
+    determinant, else None; an even number, and flutter, cannot be seen so. With friction None: what moves
+    from there on depends on the way.
     """
-    if not result.converged or result.lu is None or result.flat is None:
+    if not result.converged or result.lu is None or result.flat is None or model.path_dependent:
         return None
     if model.conservative:
         try:
@@ -176,8 +178,9 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         trace.residual, trace.floor, trace.failure = 0.0, 0.0, None
     path = Path(model, model.q0)
     step = _first_step(model)
+    longest = min(model.longest_step, 1.0 / options.friction_steps if model.path_dependent else np.inf)
     while trace.load_factor < 1.0:
-        step = min(step, model.longest_step)
+        step = min(step, longest)
         target = trace.load_factor + step
         if target > 1.0 - 1e-9:
             target = 1.0
@@ -186,8 +189,9 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             return trace
         most = DIRECT_ITERATIONS if model.settling else STEP_ITERATIONS
         result = newton(model, _start(model, path, trace, target), target, most, deadline)
+        quick = len(result.history) <= (most // 2 if model.path_dependent else QUICK_ITERATIONS)
         room = model.room(trace.q, result.q) if result.converged else np.inf
-        if target == 1.0 or room < 1.0:
+        if target == 1.0 or room < 1.0 or model.path_dependent:
             result = _contact_settled(model, trace.q, result, deadline)
         trace.history += result.history
         stable = is_stable(model, result)
@@ -202,12 +206,16 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
             continue
         if _accept(model, trace, result, target, stable):
             path.add(target, result.q)
+            if target < 1.0:
+                model.commit(result.q)
             rate = _rate(model, result)
             trace.rates.append(model.largest_motion(rate))
-            if len(result.history) <= QUICK_ITERATIONS:
+            if quick:
                 step *= GROWTH
             step = min(step, model.longest_change(result.q, rate), SHARE_OF_ROOM * room * taken)
             continue
+        if model.path_dependent:
+            model.restart()
         trace.cutbacks += 1
         step = taken * (CUT if room >= 1.0 else min(SHARE_OF_ROOM * room, CUT))
         if step < SMALLEST_STEP or result.outcome is Outcome.OUT_OF_TIME:
@@ -230,6 +238,8 @@ def _first_step(model: Model) -> float:
 
 
 def _start(model: Model, path: Path, trace: Trace, target: float) -> Floats:
+    if model.path_dependent:
+        return trace.q  # extrapolated, points that touch by 1e-6 of a length would not
     if len(path.points) > 1:
         return path.extrapolate(target)
     forces, flat = model.residual_and_tangent(trace.q, trace.load_factor)

@@ -34,7 +34,7 @@ SAID = frozenset(  # fields of the records of effects that names and numbers bel
     {
         "rod", "at", "value", "offset", "direction", "definition", "frame", "remanence", "field",
         "acceleration", "tension", "path", "length", "friction", "centre", "radius", "start", "end",
-        "stiffness", "anchor", "free_length", "axes", "obstacle", "other",
+        "stiffness", "rotational_stiffness", "anchor", "free_length", "axes", "obstacle", "other",
     }
 )  # fmt: skip
 POWERS = {"moment": 1, "force": 2, "line_moment": 2, "line_load": 3}  # of L in the unit of a `value`
@@ -141,13 +141,21 @@ def _add_holders(rod: Rod, scene: Scene, add: Add) -> None:
             k = float(np.linalg.norm(spring.stiffness, 2)) * L**3 / EI
             name = "spring" + " to an anchor" * (spring.anchor is not None) + _place(spring)
             add(spring, name, {"k L3/EI": k, "offset/R": _norm(spring.offset) / R})
+        if spring.rod == rod.name and spring.rotational_stiffness.any():
+            k = float(np.linalg.norm(spring.rotational_stiffness, 2)) * L / EI
+            add(spring, f"rotational spring{_place(spring)}", {"k L/EI": k})
     for bed in scene.foundations:
         if bed.rod == rod.name and bed.stiffness.any():
             name = "foundation" + " in section axes" * (bed.axes is None) + _part(bed.start, bed.end)
             add(bed, name, {"k L4/EI": float(np.max(bed.stiffness)) * L**4 / EI})
+        if bed.rod == rod.name and bed.rotational_stiffness.any():
+            name = "rotational bed" + " in section axes" * (bed.axes is None) + _part(bed.start, bed.end)
+            add(bed, name, {"k L2/EI": float(np.max(bed.rotational_stiffness)) * L**2 / EI})
     for contact in scene.contacts:
         if rod.name in (contact.rod, contact.other):
-            add(contact, "contact", {"number of contacts": 1.0})
+            rubs = {"friction": contact.friction} if contact.friction else {}
+            name = "contact" + ", with friction" * bool(rubs)
+            add(contact, name, {"number of contacts": 1.0} | rubs)
 
 
 def in_units(scene: Mapping[str, Any], share: float = 1.0) -> dict[str, Any]:

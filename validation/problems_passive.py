@@ -1,4 +1,4 @@
-"""Rods on springs and elastic beds, and rods that touch, against reference/foundation.py and contact.py."""
+"""Rods on springs and beds, rods that touch and rub: reference/foundation.py, contact.py, friction.py."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from reference.foundation import (
     turned_cantilever_tip,
     turned_on_bed,
 )
+from reference.friction import belt_rate, pulled_end, rubbing_tip
 from validation.cases import Case
 from validation.outcome import Outcome, Row
 from validation.scenes import NoEquilibrium
@@ -151,6 +152,53 @@ def _crossing(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
     return [("contact force", contact["force"][2], exact, "N")]
 
 
+def _rubbing_tip(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A cantilever along x, its end pressed on a plane along -z and pushed along y."""
+    scene = solution.scene
+    (rod,), (load,), (contact,) = scene.rods, scene.forces, solution.as_dict()["contacts"]
+    mu, EI = scene.contacts[0].friction, _bending(scene)
+    normal = propped_force(rod.length, EI, -float(load.value[2]), rod.length, parameters["clearance"])
+    way = rubbing_tip(rod.length, EI, float(load.value[1]), mu, normal)
+    return [
+        ("friction force", -contact["friction"]["force"][1], mu * normal, "N"),
+        ("way of the tip", float(solution.tip().position[1]), way, "m"),
+    ]
+
+
+def _pulled(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A rod along x, pressed on a plane by a line load and pulled along it by its end."""
+    scene = solution.scene
+    (rod,), (load,), (weight,) = scene.rods, scene.forces, scene.line_loads
+    axial = rod.material.young_modulus * rod.section.area
+    held = -scene.contacts[0].friction * float(weight.value[2])
+    _, way = pulled_end(float(load.value[0]), held, axial)
+    return [("way of the end", float(solution.tip().position[0]) - rod.length, way, "m")]
+
+
+def _inclined(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A free rod at rest on a plane, seen in its axes."""
+    scene = solution.scene
+    (rod,), (contact,) = scene.rods, solution.as_dict()["contacts"]
+    assert scene.gravity is not None and rod.material.density is not None
+    weight = rod.material.density * rod.section.area * rod.length * scene.gravity.acceleration
+    return [
+        ("friction force", -contact["friction"]["force"][0], float(weight[0]), "N"),
+        ("contact force", contact["force"][2], -float(weight[2]), "N"),
+    ]
+
+
+def _belt(solution: Solution, parameters: Mapping[str, Any]) -> Pairs:
+    """A rod that slips round a cylinder as its own shape, away from both ends."""
+    (contact,) = solution.scene.contacts
+    assert contact.obstacle is not None
+    forces = solution.section_forces()
+    tension = np.einsum("ia,ia->i", forces.force, solution.section_axes()[:, :, 0])
+    inside = (forces.at > 0.2) & (forces.at < 0.8)
+    rate = -float(np.polyfit(forces.x[inside], np.log(tension[inside]), 1)[0])
+    rho = 1.0 / float(np.linalg.norm(solution.scene.rods[0].curvature))
+    return [("rate of tension", rate, belt_rate(contact.friction, contact.obstacle.radius, rho), "1/m")]
+
+
 ANSWERS: dict[str, Callable[[Solution, Mapping[str, Any]], Pairs]] = {
     "bed": _bed,
     "spring": _spring,
@@ -160,4 +208,8 @@ ANSWERS: dict[str, Callable[[Solution, Mapping[str, Any]], Pairs]] = {
     "prop": _prop,
     "wrapped": _wrapped,
     "crossing": _crossing,
+    "rubbing tip": _rubbing_tip,
+    "pulled": _pulled,
+    "inclined": _inclined,
+    "belt": _belt,
 }

@@ -41,6 +41,8 @@ class Effect(ABC):
     coupled: bool = False
     # Whether something is held fixed in a Newton run and moved between runs: by `search` and `augment`.
     settles: bool = False
+    # Whether the force depends on the way that led to a state, as friction: then every load step counts.
+    path_dependent: bool = False
 
     @abstractmethod
     def force(self, e: Floats) -> Floats:
@@ -65,6 +67,14 @@ class Effect(ABC):
     def release(self) -> None:
         """Forget what `augment` has found."""
         return
+
+    def commit(self, q: Floats) -> None:
+        """Begin the next load step at the accepted equilibrium q (n,)."""
+        return
+
+    def restart(self) -> None:
+        """Go back to the beginning of the load step that has failed."""
+        self.release()
 
     def room(self, q: Floats, q_new: Floats) -> float:
         """Share of the way from q to q_new (n,) that one step may take; above 1 as much more."""

@@ -1,4 +1,4 @@
-r"""Contact of a rod with a rigid obstacle, without friction.
+r"""Contact of a rod with a rigid obstacle, without friction (with it: frictional_contact.py).
 
 The gap of a point of the axis is its distance from the obstacle less the radius of the section, g = D(r) - R.
 With the law of contact_law.py, r = N e and n, H of obstacles.py,
@@ -37,8 +37,17 @@ def build(scene: Scene, rods: list[RodModel]) -> list[Effect]:
     models = {model.rod.name: model for model in rods}
     found: list[Effect] = []
     for index, contact in enumerate(scene.contacts):
-        if contact.obstacle is not None:
+        if contact.obstacle is not None and contact.friction > 0.0:
+            from ancf.effects.frictional_contact import FrictionalContact
+
+            found.append(FrictionalContact(models[contact.rod], contact.obstacle, contact.friction, index))
+        elif contact.obstacle is not None:
             found.append(ObstacleContact(models[contact.rod], contact.obstacle, index))
+        elif contact.other is not None and contact.friction > 0.0:
+            from ancf.effects.frictional_rod_contact import FrictionalRodContact
+
+            pair = models[contact.rod], models[contact.other]
+            found.append(FrictionalRodContact(*pair, contact.friction, index))
         elif contact.other is not None:
             from ancf.effects.rod_contact import RodContact
 
@@ -88,7 +97,7 @@ class ObstacleContact(Effect):
         nd = 3 * N.shape[2]
         return np.swapaxes(N, 1, 2) @ (size[..., None] * n), K.reshape(len(N), nd, nd)
 
-    def potential(self, e: Floats) -> float:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`."""
         return self.law.energy(self.gaps(e))
 
@@ -125,9 +134,14 @@ def contact_report(effect: Any, g: Floats, n: Floats) -> dict[str, Any]:
         "gap": float(g.min()),
         "penetration": max(-float(g.min()), 0.0),
         "force": np.einsum("mp,mpa->a", size, n).tolist(),
-        "points": len(np.unique(np.round(places, 12))),
+        "points": count_places(places),
         "zone": [float(places.min()), float(places.max())] if len(places) else None,
     }
+
+
+def count_places(at: Floats) -> int:
+    """Number of different places; elements share those at their ends."""
+    return len(np.unique(np.round(at, 12)))
 
 
 def refuse_penetration(points: ContactPoints, g: Floats, rod: str, other: str, index: int) -> None:

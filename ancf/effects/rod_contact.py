@@ -1,4 +1,4 @@
-r"""Contact of a rod with another rod, or with itself, without friction.
+r"""Contact of a rod with another rod, or with itself, without friction (with it: frictional_rod_contact.py).
 
 Each point r_A of one rod looks for the closest point of the other's axis r_B(s); the gap is
 g = |r_A - r_B(s)| - R_A - R_B. With D = r_A - r_B = l n, J de = dr_A - dr_B at fixed s, and ' = d/ds,
@@ -14,6 +14,7 @@ runs; s may go a little beyond that element. Neighbours along one rod do not tou
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,6 +66,11 @@ class Closest:
     n: Floats
     shapes: tuple[Floats, Floats, Floats]  # N_B and its derivatives by x (pairs, nodal)
 
+    def taken(self, which: Indices) -> Closest:
+        """Some of them."""
+        N, N_x, N_xx = (shape[which] for shape in self.shapes)
+        return Closest(self.xi[which], self.free[which], self.length[which], self.n[which], (N, N_x, N_xx))
+
 
 class RodContact(Effect):
     """Contact of the points of rod `a` with the axis of rod `b`, which may be the same."""
@@ -94,19 +100,22 @@ class RodContact(Effect):
         refuse_penetration(self.points, g, a.rod.name, f"rod {b.rod.name!r}", index)
         self._set(reference.taken(np.zeros(len(reference.point), dtype=bool)))
 
-    def _set(self, pairs: Pairs) -> None:
-        """Take pairs; those between the same two elements share a block."""
-        key = self._of[pairs.point] * len(self.b.dofs) + pairs.element
-        blocks, self._block = np.unique(key, return_inverse=True)
-        self.pairs = pairs
-        self.dofs = np.concatenate(
-            [self.a.dofs[blocks // len(self.b.dofs)], self.b.dofs[blocks % len(self.b.dofs)]], axis=1
-        )
+    def _elements(self, pairs: Pairs) -> list[tuple[RodModel, Indices]]:
+        """Whose elements each pair joins, and which."""
+        return [(self.a, self._of[pairs.point]), (self.b, pairs.element)]
 
-    def _summed(self, values: Floats) -> Floats:
-        """Values of the pairs summed by block."""
+    def _set(self, pairs: Pairs) -> None:
+        """Take pairs; those between the same elements share a block."""
+        rods, elements = zip(*self._elements(pairs), strict=True)
+        blocks, inverse = np.unique(np.stack(elements, axis=1), axis=0, return_inverse=True)
+        self.pairs, self._block = pairs, inverse.ravel()
+        dofs = [rod.dofs[column] for rod, column in zip(rods, blocks.T, strict=True)]
+        self.dofs = np.concatenate(dofs, axis=1)
+
+    def _summed(self, values: Floats, pairs: Indices) -> Floats:
+        """Values of some pairs summed by block."""
         total = np.zeros((len(self.dofs), *values.shape[1:]))
-        np.add.at(total, self._block, values)
+        np.add.at(total, self._block[pairs], values)
         return total
 
     def _search(self, e_a: Floats, e_b: Floats) -> Pairs:
@@ -140,17 +149,21 @@ class RodContact(Effect):
         """Closest points of pairs with nodal vectors e_a, e_b (pairs, nodal, 3)."""
         r_a = np.einsum("pn,pnc->pc", self._N[pairs.point], e_a) + self.base
         xi, h = pairs.start.copy(), self.b.mesh.h[pairs.element]
+        left = np.arange(len(xi))  # that still move
         for _ in range(ITERATIONS):
-            N, N_x, N_xx = (_shape(self.b, xi, h, order) for order in (0, 1, 2))
-            D = r_a - np.einsum("pn,pnc->pc", N, e_b)
-            t, t_x = np.einsum("pn,pnc->pc", N_x, e_b), np.einsum("pn,pnc->pc", N_xx, e_b)
+            here, size_here = e_b[left], h[left]
+            N, N_x, N_xx = (_shape(self.b, xi[left], size_here, order) for order in (0, 1, 2))
+            D = r_a[left] - np.einsum("pn,pnc->pc", N, here)
+            t, t_x = np.einsum("pn,pnc->pc", N_x, here), np.einsum("pn,pnc->pc", N_xx, here)
             slope = np.sum(D * t, axis=1)  # of -|D|^2/2
             size = np.sum(t * t, axis=1)
             curvature = np.maximum(size - np.sum(D * t_x, axis=1), 0.1 * size)
-            new = np.clip(xi + 2.0 / h * slope / curvature, pairs.low, pairs.high)
-            still = bool(np.all(np.abs(new - xi) <= STILL))
-            xi = new
-            if still:
+            new = xi[left] + 2.0 / size_here * slope / curvature
+            new = np.clip(new, pairs.low[left], pairs.high[left])
+            moves = np.abs(new - xi[left]) > STILL
+            xi[left] = new
+            left = left[moves]
+            if not len(left):
                 break
         shapes = tuple(_shape(self.b, xi, h, order) for order in (0, 1, 2))
         D = r_a - np.einsum("pn,pnc->pc", shapes[0], e_b)
@@ -175,8 +188,8 @@ class RodContact(Effect):
 
     def _split(self, e: Floats) -> tuple[Floats, Floats]:
         """Nodal vectors of the two elements of each pair, from those of the blocks."""
-        nodal, e = self._N.shape[1], e[self._block]
-        return e[:, :nodal], e[:, nodal:]
+        nodal, other, e = self._N.shape[1], self.b.element.vectors_per_element, e[self._block]
+        return e[:, :nodal], e[:, nodal : nodal + other]
 
     def _at(self, e: Floats) -> tuple[Closest, Floats, Floats]:
         """Closest points of the pairs, weights of J (pairs, nodal of both), and all gaps."""
@@ -184,36 +197,53 @@ class RodContact(Effect):
         weights = np.concatenate([self._N[self.pairs.point], -found.shapes[0]], axis=1)
         return found, weights, self._gap(self.pairs, found.length)
 
+    def _turning(self, e_b: Floats, found: Closest, weights: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """(I - n n^T)/l (pairs, 3, 3), t (pairs, 3), l_se (pairs, nd), l_ss (pairs,), inf where s stays."""
+        n, length = found.n, found.length
+        across = (np.eye(3) - n[:, :, None] * n[:, None, :]) / length[:, None, None]
+        _, N_x, N_xx = found.shapes
+        t, t_x = np.einsum("pn,pnc->pc", N_x, e_b), np.einsum("pn,pnc->pc", N_xx, e_b)
+        l_ss = np.sum(t * t, axis=1) / length - np.sum(n * t_x, axis=1)
+        l_se = -weights[:, :, None] * (across @ t[:, :, None])[:, None, :, 0]
+        l_se[:, self._N.shape[1] :] -= N_x[:, :, None] * n[:, None, :]
+        l_ss = np.where(found.free & (l_ss > 0.0), l_ss, np.inf)
+        return across, t, l_se.reshape(len(weights), 3 * weights.shape[1]), l_ss
+
+    def _sizes(self, g: Floats) -> tuple[Floats, Floats]:
+        """Normal force k rho [N] and k rho' [N/m] of the pairs from the gaps of all points."""
+        found = (self.law.k * self.law.depth(g), self.law.k * self.law.slope(g))
+        return found[0].ravel()[self.pairs.point], found[1].ravel()[self.pairs.point]
+
     def force(self, e: Floats) -> Floats:
         """See `Effect.force`."""
         found, weights, g = self._at(e)
-        size = (self.law.k * self.law.depth(g)).ravel()[self.pairs.point]
-        return self._summed(np.einsum("p,pn,pc->pnc", size, weights, found.n))
+        return self._normal(found, weights, self._sizes(g)[0])
+
+    def _normal(self, found: Closest, weights: Floats, size: Floats) -> Floats:
+        """Generalised normal forces of the blocks."""
+        on = np.flatnonzero(size)
+        return self._summed(weights[on, :, None] * (size[on, None] * found.n[on])[:, None], on)
 
     def force_and_tangent(self, e: Floats) -> tuple[Floats, Floats]:
         """See `Effect.force_and_tangent`; symmetric."""
         found, weights, g = self._at(e)
-        size, slope = (
-            (self.law.k * values).ravel()[self.pairs.point]
-            for values in (self.law.depth(g), self.law.slope(g))
-        )
-        n, length = found.n, found.length
-        across = (np.eye(3) - n[:, :, None] * n[:, None, :]) / length[:, None, None]
+        size, slope = self._sizes(g)
+        on = np.flatnonzero(slope)  # few of those that are near
+        turning = self._turning(self._split(e)[1][on], found.taken(on), weights[on])
+        K = self._tangent(found.n[on], weights[on], turning, size[on], slope[on])
+        return self._normal(found, weights, size), self._summed(K, on)
+
+    def _tangent(
+        self, n: Floats, weights: Floats, turning: tuple[Floats, ...], size: Floats, slope: Floats
+    ) -> Floats:
+        """Tangent (pairs, nd, nd) of the normal forces."""
+        across, _, l_se, l_ss = turning
         dF = size[:, None, None] * across - slope[:, None, None] * (n[:, :, None] * n[:, None, :])
         nd = 3 * weights.shape[1]
-        K = np.einsum("pm,pn,pab->pmanb", weights, weights, dF).reshape(len(weights), nd, nd)
-        _, e_b = self._split(e)
-        _, N_x, N_xx = found.shapes
-        t, t_x = np.einsum("pn,pnc->pc", N_x, e_b), np.einsum("pn,pnc->pc", N_xx, e_b)
-        l_ss = np.sum(t * t, axis=1) / length - np.sum(n * t_x, axis=1)
-        l_se = -np.einsum("pn,pab,pb->pna", weights, across, t)
-        l_se[:, self._N.shape[1] :] -= N_x[:, :, None] * n[:, None, :]
-        l_se = l_se.reshape(len(weights), nd)
-        share = np.where(found.free & (l_ss > 0.0), size / np.where(l_ss > 0.0, l_ss, 1.0), 0.0)
-        K -= share[:, None, None] * l_se[:, :, None] * l_se[:, None, :]
-        return self._summed(np.einsum("p,pn,pc->pnc", size, weights, n)), self._summed(K)
+        K = (weights[:, :, None] * weights[:, None, :])[:, :, None, :, None] * dF[:, None, :, None, :]
+        return K.reshape(-1, nd, nd) - (size / l_ss)[:, None, None] * l_se[:, :, None] * l_se[:, None, :]
 
-    def potential(self, e: Floats) -> float:
+    def potential(self, e: Floats) -> float | None:
         """See `Effect.potential`."""
         return self.law.energy(self._at(e)[2])
 
@@ -272,8 +302,14 @@ def _middles(rod: RodModel) -> Floats:
 
 def _shape(rod: RodModel, xi: Floats, h: Floats, order: int) -> Floats:
     """Weights of the axis (pairs, nodal) at places xi of elements of lengths h, derivative by x."""
-    found = np.empty((len(xi), rod.element.vectors_per_element))
-    for size in np.unique(np.round(h / rod.rod.length, 12)):  # lengths that differ by rounding are equal
-        here = np.abs(h / rod.rod.length - size) <= 1e-11
-        found[here] = rod.element.shape(xi[here], float(h[here][0]), order)[:, 0]
-    return found
+    return at_places(rod, xi, h, lambda here, size: rod.element.shape(here, size, order)[:, 0])
+
+
+def at_places(rod: RodModel, xi: Floats, h: Floats, weights: Callable[[Floats, float], Floats]) -> Floats:
+    """`weights(xi, h)` of pairs in elements of different lengths."""
+    pieces = []
+    relative = np.round(h / rod.rod.length, 12)  # lengths that differ by rounding are equal
+    order = np.argsort(relative, kind="stable")
+    for here in np.split(order, np.flatnonzero(np.diff(relative[order])) + 1):
+        pieces.append(weights(xi[here], float(h[here][0]) if len(here) else rod.rod.length))
+    return np.concatenate(pieces)[np.argsort(order, kind="stable")]

@@ -280,7 +280,6 @@ def test_a_start_from_a_solution_in_contact():
 
 BAD = {
     "in the ground": ({"with": plane(-0.5 * RADIUS)}, "stands in an obstacle"),
-    "friction": ({"with": plane(0.1), "friction": 0.3}, "not in this version"),
     "negative friction": ({"with": plane(0.1), "friction": -0.3}, "friction"),
     "no shape": ({"with": {"point": [0, 0, -1]}}, "shape"),
     "another shape": ({"with": {"shape": "cube"}}, "shape"),

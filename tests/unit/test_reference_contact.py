@@ -6,6 +6,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from reference.contact import crossing_force, level_end_span, lifted_span, propped_force, wrapped_tip
 from reference.foundation import end_of_long_beam, middle_of_long_beam, propped_cantilever_tip
+from reference.friction import belt_rate, pulled_end, rubbing_tip
 
 
 def test_without_shear_it_is_hetenyis_beam():
@@ -89,3 +90,29 @@ def test_the_wrapped_rod_is_an_elastica():
     np.testing.assert_allclose(found[1:], [0.0, *end], atol=1e-6)
     with pytest.raises(ValueError, match="does not lie"):
         wrapped_tip(L, EI, 4.0, rho)
+
+
+@pytest.mark.parametrize(("mu", "a", "R"), [(0.3, 0.2, 0.0025), (0.8, 1.0, 0.5)])
+def test_a_belt_balances(mu, a, R):
+    """T = exp(c s), V = R mu p: T' = mu p - V/rho and V' = T/rho - p; a rope where R is nothing."""
+    rho = a + R
+    c = belt_rate(mu, a, rho)
+    p = c / (mu * (1.0 - R / rho))  # T' = mu p (1 - R/rho) at T = 1
+    V = R * mu * p
+    assert V * c == pytest.approx(1.0 / rho - p, rel=1e-12)
+    # About the centre of the cylinder friction alone has a moment: (T rho)' = mu p a.
+    assert c * rho == pytest.approx(mu * p * a, rel=1e-12)
+    assert belt_rate(mu, a, a) == pytest.approx(mu / a, rel=1e-14)
+
+
+def test_a_pulled_rod_by_its_energy():
+    """Half of the work of F is strain energy and half friction, where the weight was there before."""
+    F, held, EA = 0.7, 1.9, 3.1
+    slipped, way = pulled_end(F, held, EA)
+    strain = held**2 * slipped**3 / (6 * EA)  # int T^2/(2 EA), T = held x
+    assert slipped * held == pytest.approx(F) and way == pytest.approx(F * slipped / (2 * EA))
+    friction = held * held * slipped**3 / (6 * EA)  # int held u at the end of a growing slip
+    work = F**3 / (3 * held * EA)  # int F dway = F^3/(3 EA held)
+    assert work == pytest.approx(strain + friction, rel=1e-12)
+    assert rubbing_tip(2.0, 5.0, 0.7, 0.3, 1.0) == pytest.approx(0.4 * 8 / 15)
+    assert rubbing_tip(2.0, 5.0, 0.7, 0.8, 1.0) == 0.0
