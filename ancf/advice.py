@@ -16,11 +16,11 @@ import numpy as np
 
 from ancf.advice_state import State
 from ancf.choices import choices
-from ancf.effect_assembly import EFFECT_MODULES
 from ancf.influence import MATTERS, UNKNOWN, Influence
 from ancf.missing_contacts import missing_contacts
 from ancf.missing_effects import missing_effects
 from ancf.scene import Scene, StabilityOptions
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.scene_numbers import rod_numbers
 
 ACCURACY = 1e-3  # of the length, where the scene asks for none

@@ -179,7 +179,7 @@ def _engine(model: Model, wanted: str, rows: int) -> str:
             SEE,
         )
     scene = model.scene
-    alone = scene.follows_path or model.constraints is not None or model.contacts
+    alone = scene.follows_path or model.constraints is not None or model.settling
     if alone or scene.solver.tangent != "analytic":
         refused = (
             "The scene follows a path, has joints, tendons of given length, contact or the finite-difference"

@@ -274,23 +274,9 @@ def _heading(path: Path, solution: Solution) -> str:
 
 
 def _listed(scene: Scene) -> dict[str, Sequence[Any]]:
-    """Records of the effects that the scene lists, by the name of their table."""
-    found = {
-        "moment": scene.moments,
-        "force": scene.forces,
-        "line_load": scene.line_loads,
-        "line_moment": scene.line_moments,
-        "magnet": scene.magnets,
-        "gravity": (scene.gravity,) if scene.gravity else (),
-        "tendon": scene.tendons,
-        "pressure": scene.pressures,
-        "spring": scene.springs,
-        "foundation": scene.foundations,
-        "contact": scene.contacts,
-        "joint": scene.joints,
-        **{added.table: added.records for added in scene.added},
-    }
-    return {name: records for name, records in found.items() if records}
+    """Records of effects and joints by the name of their table."""
+    joints = {"joint": scene.joints} if scene.joints else {}
+    return {**scene.listed, **joints}
 
 
 def _describe(rod: Rod) -> dict[str, Any]:

@@ -20,24 +20,10 @@ from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.rod_model import RodModel
 from ancf.scene import Scene
+from ancf.scene_effects import EFFECT_MODULES
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
-
-# Scene field -> module of ancf.effects. A module is imported only if its field is not empty.
-EFFECT_MODULES = {
-    "moments": "moment",
-    "forces": "force",
-    "line_loads": "line_load",
-    "line_moments": "line_moment",
-    "gravity": "gravity",
-    "magnets": "magnet",
-    "tendons": "tendon",
-    "pressures": "pressure",
-    "springs": "spring",
-    "foundations": "foundation",
-    "contacts": "contact",
-}
 
 RUN = 64  # blocks whose entries are added at once: what they touch of the band stays in the cache
 

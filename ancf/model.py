@@ -137,28 +137,28 @@ class Model:
         return float(max(force, FIRST_FORCE) / change) if change > 0.0 else np.inf
 
     @cached_property
-    def contacts(self) -> list[Effect]:
-        """Effects that augmentation moves (settling.py)."""
-        return [effect for effect in self.effects if effect.name == "contact"]
+    def settling(self) -> list[Effect]:
+        """Effects that hold something fixed in a Newton run, such as contact (settling.py)."""
+        return [effect for effect in self.effects if effect.settles]
 
     def search(self, q: Floats) -> None:
         """Look at q (n,) for the pairs of the Newton run that begins there."""
-        for effect in self.contacts:
+        for effect in self.settling:
             effect.search(q)
 
     def augment(self, q: Floats) -> bool:
         """Move what contact holds fixed in a Newton run; whether there was anything to move."""
-        moved = [effect.augment(q) for effect in self.contacts]
+        moved = [effect.augment(q) for effect in self.settling]
         return any(moved)
 
     def release(self) -> None:
         """Forget what augmentation has found."""
-        for effect in self.contacts:
+        for effect in self.settling:
             effect.release()
 
     def room(self, q: Floats, q_new: Floats) -> float:
         """Share of the way from q to q_new (n,) in which no point can go through an obstacle."""
-        return min((effect.room(q, q_new) for effect in self.contacts), default=np.inf)
+        return min((effect.room(q, q_new) for effect in self.settling), default=np.inf)
 
     @property
     def unknowns(self) -> int:
@@ -257,7 +257,7 @@ class Model:
         model.effects = load_effects(scene, self.rods)
         model.constraints = model._constraints_of(scene)
         model._effect_sums = self._effect_sums.of(model.effects)
-        for made in ("contacts", "system") if self.contacts else ():  # their state belongs to one model
+        for made in ("settling", "system") if self.settling else ():  # their state belongs to one model
             vars(model).pop(made, None)
         return model
 

@@ -154,7 +154,7 @@ class NewtonRun:
         lost = iteration >= PATIENCE and step > max(1.0, FALLING * result.history[-2].step)
         if step > DIVERGED_STEP or lost:
             return Outcome.DIVERGED
-        share = min(1.0, LONGEST / step) if model.contacts and step > 0.0 else 1.0
+        share = min(1.0, LONGEST / step) if model.settling and step > 0.0 else 1.0
         while share >= SMALLEST_SHARE and model.inside_out(self.q + share * dq):
             share *= 0.5
         if share < SMALLEST_SHARE:

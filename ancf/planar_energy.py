@@ -26,15 +26,8 @@ from numpy.typing import NDArray
 from ancf.elements import R
 from ancf.mirror_unknowns import MirrorUnknowns, NodeUnknowns
 from ancf.section_energy import pairs
-from ancf.section_law import (
-    AlikeSections,
-    ProjectedTerm,
-    QuadraticSection,
-    QuadraticTerm,
-    QuadratureSection,
-    SectionLaw,
-    Term,
-)
+from ancf.section_law import AlikeSections, QuadraticSection, QuadratureSection, SectionLaw
+from ancf.section_terms import ProjectedTerm, QuadraticTerm, Term
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]

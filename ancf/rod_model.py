@@ -33,14 +33,8 @@ from ancf.section_energy import (
     straight_reference,
     straight_section_stiffness,
 )
-from ancf.section_law import (
-    AlikeSections,
-    ProjectedTerm,
-    QuadraticSection,
-    QuadraticTerm,
-    QuadratureSection,
-    Term,
-)
+from ancf.section_law import AlikeSections, QuadraticSection, QuadratureSection
+from ancf.section_terms import ProjectedTerm, QuadraticTerm, Term
 from ancf.sections import Section
 from ancf.segments import starts
 from ancf.supports import NodeSupport, support_rows

@@ -21,6 +21,9 @@ from numpy.typing import NDArray
 from ancf.elements import ELEMENTS
 from ancf.hyperelastic import Law
 from ancf.scene_effects import (
+    EFFECT_MODULES,
+)
+from ancf.scene_effects import (
     AddedEffect as AddedEffect,
 )
 from ancf.scene_effects import (
@@ -258,6 +261,17 @@ class Scene:
     solver: SolverOptions = SolverOptions()
     stability: StabilityOptions | None = None
     title: str = ""
+
+    @property
+    def listed(self) -> dict[str, tuple[Any, ...]]:
+        """Records of the effects that are listed, by the name of their table."""
+        records = {table: getattr(self, name) for name, table in EFFECT_MODULES.items()}
+        records |= {added.table: added.records for added in self.added}
+        return {
+            table: found if isinstance(found, tuple) else (found,)
+            for table, found in records.items()
+            if found
+        }
 
     @property
     def follows_path(self) -> bool:

@@ -14,6 +14,22 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from ancf.obstacles import Obstacle
 
+# Field of a scene -> name of the table in scene files, and of the module in ancf.effects that computes the
+# effect; the module is imported only if the field is not empty.
+EFFECT_MODULES = {
+    "moments": "moment",
+    "forces": "force",
+    "line_loads": "line_load",
+    "line_moments": "line_moment",
+    "gravity": "gravity",
+    "magnets": "magnet",
+    "tendons": "tendon",
+    "pressures": "pressure",
+    "springs": "spring",
+    "foundations": "foundation",
+    "contacts": "contact",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Moment:

@@ -20,6 +20,7 @@ from ancf.errors import Message, SceneError
 from ancf.mesh import distinct_places, held_places, places_in_part, rod_breaks
 from ancf.scene import Rod, Scene, SolverOptions
 from ancf.scene_contacts import check_options, read_contacts
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.scene_joints import joined_rods, motion_as_joint, read_joints
 from ancf.scene_loads import (
     read_force,
@@ -37,25 +38,7 @@ from ancf.scene_springs import read_foundation, read_spring
 from ancf.scene_table import Table
 from ancf.scene_tendons import read_tendon
 
-SCENE_KEYS = (
-    "title",
-    "rod",
-    "moment",
-    "force",
-    "gravity",
-    "line_load",
-    "line_moment",
-    "magnet",
-    "tendon",
-    "pressure",
-    "spring",
-    "foundation",
-    "contact",
-    "joint",
-    "motion",
-    "solver",
-    "stability",
-)
+SCENE_KEYS = ("title", "rod", *EFFECT_MODULES.values(), "joint", "motion", "solver", "stability")
 LARGEST_FILE = 10_000_000  # bytes; a scene is a page of text, so more is another file
 
 

@@ -42,7 +42,7 @@ from ancf.errors import Message, SceneError
 from ancf.hyperelastic import enhanced_potentials, full_potential
 from ancf.materials import VOIGT, SaintVenantKirchhoff
 from ancf.scene import Rod
-from ancf.section_law import ProjectedTerm, Term
+from ancf.section_terms import ProjectedTerm, Term
 from ancf.sections import Section
 
 Floats = NDArray[np.float64]

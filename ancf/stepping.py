@@ -76,7 +76,7 @@ def find_equilibrium(model: Model, start: Floats | None = None, deadline: float 
     if start is not None and _try_at_once(model, trace, start, deadline):
         return trace
     # A prescribed motion is walked, and so is contact: at once they would lead anywhere, or through it.
-    if options.predictor == "auto" and model.longest_step >= 1.0 and not model.contacts:
+    if options.predictor == "auto" and model.longest_step >= 1.0 and not model.settling:
         bent = load_start(model, deadline)
         # One long step may land on an unstable branch beyond a buckling load: then the path decides.
         if (
@@ -184,7 +184,7 @@ def _walk(model: Model, trace: Trace, deadline: float) -> Trace:
         if trace.steps + trace.cutbacks >= options.max_steps:
             trace.budget_used, trace.tried = True, target
             return trace
-        most = DIRECT_ITERATIONS if model.contacts else STEP_ITERATIONS
+        most = DIRECT_ITERATIONS if model.settling else STEP_ITERATIONS
         result = newton(model, _start(model, path, trace, target), target, most, deadline)
         room = model.room(trace.q, result.q) if result.converged else np.inf
         if target == 1.0 or room < 1.0:

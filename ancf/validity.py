@@ -13,7 +13,7 @@ from ancf import cable
 from ancf.failure import LARGEST_TURN, element_turns
 from ancf.hyperelastic import Law, MooneyRivlin, NeoHookean
 from ancf.materials import SaintVenantKirchhoff
-from ancf.scene_rods import LARGEST_FLOOR
+from ancf.scene_rod_checks import LARGEST_FLOOR
 from ancf.section_stress import part_skin, section_strain, tensor
 from ancf.section_validity import section_warnings
 from ancf.sections import Section

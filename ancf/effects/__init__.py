@@ -34,6 +34,8 @@ class Effect(ABC):
     passive: bool = False
     # Whether blocks join unknowns that no element joins: then the tangent is sparse instead of a band.
     coupled: bool = False
+    # Whether something is held fixed in a Newton run and moved between runs: by `search` and `augment`.
+    settles: bool = False
 
     @abstractmethod
     def force(self, e: Floats) -> Floats:
@@ -48,7 +50,7 @@ class Effect(ABC):
         """Potential V [J], None for an effect without one."""
 
     def search(self, q: Floats) -> None:
-        """Look at q (n,) for the blocks of the Newton run that begins there."""
+        """Look at q (n,) for the blocks of the Newton run that begins there; with `settles` only."""
         return
 
     def augment(self, q: Floats) -> bool:
@@ -64,8 +66,8 @@ class Effect(ABC):
         return np.inf
 
     def report(self, e: Floats) -> dict[str, Any]:
-        """Entry of a passive effect in the result (passive_reports.py), plain Python."""
-        raise NotImplementedError
+        """What there is to tell in the result (passive_reports.py), plain Python."""
+        return {}
 
 
 class DeadLoad(Effect):

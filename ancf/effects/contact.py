@@ -51,6 +51,7 @@ class ObstacleContact(Effect):
 
     name = "contact"
     passive = True
+    settles = True
 
     def __init__(self, model: RodModel, obstacle: Obstacle, index: int = 0) -> None:
         self.rod = model.rod.name

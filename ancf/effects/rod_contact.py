@@ -72,6 +72,7 @@ class RodContact(Effect):
     name = "contact"
     passive = True
     coupled = True
+    settles = True
 
     def __init__(self, a: RodModel, b: RodModel, index: int = 0) -> None:
         self.a, self.b = a, b

@@ -15,10 +15,10 @@ from hypothesis import given, settings
 import ancf
 from ancf.advice import Advice, advise, without_each
 from ancf.advice_state import SMALL
-from ancf.effect_assembly import EFFECT_MODULES
 from ancf.influence import CLOSE, MATTERS, NEGLIGIBLE, Influence
 from ancf.model import Model
 from ancf.scene import Gravity, Scene
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.scene_numbers import STANDARD_GRAVITY
 from ancf.solution import Solution
 from tests.property import test_random_balance

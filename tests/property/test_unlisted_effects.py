@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import ancf
-from ancf.effect_assembly import EFFECT_MODULES
+from ancf.scene_effects import EFFECT_MODULES
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted([*(ROOT / "examples").glob("*.toml"), *(ROOT / "validation/contract_scenes").glob("*.toml")])

@@ -10,7 +10,8 @@ import pytest
 
 import ancf
 from ancf.solution import Status
-from validation.report.gallery import EXAMPLES, EXHIBITS, compare, page
+from validation.report.exhibits import EXAMPLES, EXHIBITS
+from validation.report.gallery import compare, page
 
 ROOT = Path(__file__).resolve().parents[2]
 LARGEST_PICTURE = 60_000  # bytes

@@ -230,7 +230,7 @@ def test_no_step_goes_through_an_obstacle():
     )
     assert held.status == "converged", held.reason
     assert only(held)["points"] > 0 and held.steps > 3
-    (effect,) = held.model.contacts
+    (effect,) = held.model.settling
     # From the reference to the far side of the ball there is no room for one step.
     assert held.model.room(held.model.q0, free.q) < 1.0
     assert isinstance(effect, ObstacleContact)

@@ -1,6 +1,6 @@
 """The chapter on effects: every effect is measured, and a scene's row says "-" where one was never called."""
 
-from ancf.effect_assembly import EFFECT_MODULES
+from ancf.scene_effects import EFFECT_MODULES
 from validation import runner
 from validation.effect_costs import ALONE, EffectCost, SceneCalls, call_table, measure, one_rod, scene_files
 from validation.report import page

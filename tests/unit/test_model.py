@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ancf import rod_model
-from ancf.effect_assembly import EFFECT_MODULES
 from ancf.elements import ELEMENTS, SECTION_ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.scene import Force, Frame, Gravity, LineLoad, Moment, Rod, Scene, SolverOptions, Support
+from ancf.scene_effects import EFFECT_MODULES
 from ancf.sections import Circle, Rectangle
 from tests.strategies import draws, fewer
 from validation import kernel_measures as kernel

@@ -36,7 +36,7 @@ def crossed(force, elements=10, length=0.8, gap=0.0, beyond=0.05, angle=90.0, **
 
 
 def pairs_of(model):
-    (effect,) = model.contacts
+    (effect,) = model.settling
     assert isinstance(effect, RodContact)
     return effect
 
