@@ -182,6 +182,8 @@ class State:
             largest = max(float(size.max()) for size in sizes)
         if tip is None or largest is None:
             return Influence(effect, None, None, UNKNOWN, advice="no estimate", **about)
-        if sizes and len(sizes) < len(found) and largest < self.limit:
-            return Influence(effect, tip, largest, CLOSE, advice="no estimate of some directions", **about)
+        if sizes and len(sizes) < len(found):
+            about["note"] = f"{about.get('note', '')}; at least, some directions were not solved"
+            if largest < self.limit:
+                return Influence(effect, tip, largest, CLOSE, advice="too close to tell", **about)
         return self.judged(effect, tip, largest, not sizes, negligible, matters, **about)

@@ -24,7 +24,7 @@ from ancf.chamber_swelling import largest_swelling
 from ancf.hyperelastic import Law
 from ancf.influence import MATTERS, Influence
 from ancf.model import Model
-from ancf.scene import Gravity, LineLoad, Rod, Scene
+from ancf.scene import Gravity, LineLoad, Rod, Scene, Tendon
 from ancf.scene_numbers import STANDARD_GRAVITY, weight_number
 from ancf.tendon_state import tendon_states
 
@@ -104,10 +104,7 @@ def _tendon_stretch(state: State) -> Influence:
         0.0 if one.tendon.length is None else one.tension / TENDON_STIFFNESS
         for one in tendon_states(state.model, state.q, 1.0)
     ]
-    tendons = tuple(
-        tendon if tendon.length is None else replace(tendon, length=tendon.length * (1.0 + strain))
-        for tendon, strain in zip(state.scene.tendons, strains, strict=True)
-    )
+    tendons = tuple(map(stretched, state.scene.tendons, strains))
     found = state.influence(
         "tendon stretch",
         replace(state.near, tendons=tendons),
@@ -121,6 +118,11 @@ def _tendon_stretch(state: State) -> Influence:
         softest = TENDON_STIFFNESS * found.largest / state.limit
         found = replace(found, note=f"{found.note}; matters below {softest:.2g} N")
     return found
+
+
+def stretched(tendon: Tendon, strain: float) -> Tendon:
+    """A tendon that is longer by a strain; of given tension the same."""
+    return tendon if tendon.length is None else replace(tendon, length=tendon.length * (1.0 + strain))
 
 
 def _swelling(state: State) -> Iterator[Influence]:

@@ -29,14 +29,6 @@ SCENES = sorted([*(ROOT / "examples").glob("*.toml"), *(ROOT / "validation/contr
 NOISE = 1e-9  # of solving: 10 times the tolerance of a step
 
 
-@pytest.fixture(autouse=True, scope="module")
-def patient():
-    """On a busy machine what is not found in time would only be estimated."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ancf.advice.SECONDS", 120.0)
-        yield
-
-
 def on_its_mesh(solution: Solution) -> Scene:
     """The scene of a solution with the mesh that it has, which effects then cannot move."""
     rods = tuple(replace(r.rod, breaks=tuple(r.mesh.breaks / r.rod.length)) for r in solution.model.rods)
@@ -134,8 +126,8 @@ def missing(advice: Advice, effect: str) -> Influence:
     return found
 
 
-@pytest.mark.parametrize("density", [1.0, 20.0, 1000.0])
-def test_missing_weight(density):
+@pytest.mark.parametrize("density", [0.4, 20.0, 1000.0])
+def test_missing_weight(density, monkeypatch):
     """Against solving with the weight in many directions: small ones, whose shift is linear, in the largest
     singular value of three; others in the worst of 26 directions, which the advice has to find within a
     factor of 2."""
@@ -146,6 +138,7 @@ def test_missing_weight(density):
         "material": {"young_modulus": 1e6, "poisson_ratio": 0.3, "density": density},
     }
     scene = ancf.scene_from_dict({"rod": [rod], "moment": [{"value": [0, 0, 0.02], "direction": "follower"}]})
+    monkeypatch.setattr("ancf.advice.SECONDS", 120.0)  # on a busy machine
     found = missing(advise(scene), "gravity")
     plain = ancf.solve(scene)
 
@@ -165,7 +158,7 @@ def test_missing_weight(density):
         true = max(sizes)
         assert not found.first_order and true / 2.0 <= (found.largest or 0.0) <= 1.2 * true
     check_verdict(found, true, 1e-3)
-    assert found.verdict == {1.0: CLOSE, 20.0: MATTERS, 1000.0: MATTERS}[density]
+    assert found.verdict == {0.4: CLOSE, 20.0: MATTERS, 1000.0: MATTERS}[density]
     number = density * STANDARD_GRAVITY * 0.4**3 / (1e6 * 0.01**2 / 4)  # rho g A L^3/EI of a circle
     assert found.number == pytest.approx(number)
 

@@ -15,8 +15,8 @@ import ancf
 from ancf.advice import Advice, advise
 from ancf.choices import other_law
 from ancf.influence import MATTERS, NEGLIGIBLE, Influence
-from ancf.missing_effects import FIELD_CHANGE, FRICTION, TENDON_STIFFNESS
-from ancf.scene import LineLoad, Scene
+from ancf.missing_effects import FIELD_CHANGE, FRICTION, TENDON_STIFFNESS, stretched
+from ancf.scene import LineLoad, Scene, Tendon
 from tests.property.test_advice import check_verdict, largest_shift
 from tests.strategies import fewer, vectors
 
@@ -123,6 +123,13 @@ def test_stretch_of_tendons(one, other):
         assert found.largest == pytest.approx(true, rel=0.1, abs=1e-8)
         if found.verdict == NEGLIGIBLE and found.largest:
             assert f"{TENDON_STIFFNESS * found.largest / 1e-3:.2g} N" in found.note
+
+
+def test_tendons_become_longer():
+    path = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    assert stretched(Tendon("rod", None, path, 0.3), 0.01).length == pytest.approx(0.303)
+    pulled = Tendon("rod", 2.0, path)
+    assert stretched(pulled, 0.01) is pulled
 
 
 @settings(max_examples=fewer(2), deadline=None)
