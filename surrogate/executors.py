@@ -48,7 +48,7 @@ class Cluster(Executor):
 
     def __init__(self, address: str) -> None:
         from distributed import Client  # pyright: ignore[reportMissingImports]
-        from distributed.comm import get_address_host_port  # pyright: ignore[reportMissingImports]
+        from distributed.comm.addressing import get_address_host_port  # pyright: ignore[reportMissingImports]
 
         self.address = address
         _hush()
