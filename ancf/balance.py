@@ -16,7 +16,7 @@ of the moments, and E I/L^2 times the reach of the rods from the origin, about w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,13 @@ class Resultant:
     def as_dict(self) -> dict[str, Any]:
         """Plain Python."""
         return {"force": self.force.tolist(), "moment": self.moment.tolist()}
+
+
+class Reaction(NamedTuple):
+    """Force (3,) [N] and moment (3,) [N m] about a rod's base, in SCS, by supports and joints to ground."""
+
+    force: Floats
+    moment: Floats
 
 
 @dataclass(frozen=True, eq=False)

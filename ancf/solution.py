@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ancf.accuracy_record import Accuracy
     from ancf.arclength import PathPoint
-    from ancf.balance import Balance
+    from ancf.balance import Balance, Reaction
     from ancf.model import Model
     from ancf.newton import Iteration
     from ancf.rod_model import RodModel
@@ -146,8 +146,7 @@ class Solution:
     def pose(self, name: str | None, at: float) -> Pose:
         """Pose of the section at a fraction of the reference length; the first rod if `name` is None.
 
-        A cable has no section: r_y, r_z and rotation are those of the transported frame (axis_frames.py).
-        Raises `InputError` where `at` is not within 0 to 1.
+        Of a cable r_y, r_z and rotation are those of the transported frame; raises `InputError` off the rod.
         """
         rod = self._rod(name)
         rod.rod.check_place(at)
@@ -192,18 +191,19 @@ class Solution:
         g = self.model.residual(self.q, self.load_factor).at(self.load_factor)
         return g - self.model.system.project(g)
 
-    def reaction(self, name: str | None = None) -> tuple[Floats, Floats]:
+    def reaction(self, name: str | None = None) -> Reaction:
         """Force (3,) [N] and moment (3,) [N m] about the rod's base by its supports and joints to ground."""
+        from ancf.balance import Reaction
+
         rod = self._rod(name)
         Q = rod.nodal(self.support_force)
         force, moment = Q[:, 0].sum(axis=0), np.cross(rod.nodal(self.q), Q).sum(axis=(0, 1))
-        constraints = self.model.constraints
-        models = [] if constraints is None else constraints.joints
+        models = [] if self.model.constraints is None else self.model.constraints.joints
         for carried, model in zip(self.joints, models, strict=True):
             if carried.joint.b is None and carried.joint.a.rod == rod.rod.name:
                 arm = model.sections[0].position(self.q)
                 force, moment = force + carried.force, moment + carried.moment + np.cross(arm, carried.force)
-        return force, moment
+        return Reaction(force, moment)
 
     def balance(self, name: str | None = None) -> Balance:
         """What is applied and what supports and ground exert, about the origin of SCS: balance.py.

@@ -136,7 +136,9 @@ def test_curved_rods_carry_a_tip_moment_unchanged():
 def test_reaction_is_about_the_base(name):
     """A tip force on an almost undeformed rod: -F and -L e_y x F, wherever the base stands."""
     F = np.array([0.0, 0.0, 1e-4 * EI])
-    force, moment = solved(Scene((rod(name),), forces=(Force("arm", 1.0, F),))).reaction()
+    reaction = solved(Scene((rod(name),), forces=(Force("arm", 1.0, F),))).reaction()
+    force, moment = reaction
+    assert reaction.force is force and reaction.moment is moment
     # residual floor some 1e-10 E I; the arm shortens by (F L^2 / E I)^2
     np.testing.assert_allclose(force, -F, atol=1e-9 * EI)
     np.testing.assert_allclose(moment, -np.cross([0, 1, 0], F), atol=1e-8 * EI)
