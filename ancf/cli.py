@@ -37,6 +37,7 @@ DESCRIPTIONS = {
     "track": "Follow the paper's reference trajectory with a model, through the solver.",
     "compare": "Compare all inverse models, honestly, over several seeds.",
     "reproduce": "Regenerate figures 4 to 11 and table 1 of the paper.",
+    "study": "Measure the surrogate: numbers and figures for the report.",
     "invert": "Find the tip moments for wanted tip poses.",
 }
 

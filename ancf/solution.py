@@ -1,4 +1,4 @@
-"""The result of a solve: a record with poses, section forces, reactions, and its JSON form."""
+"""The result of a solve: a record with poses, section forces, reactions."""
 
 from __future__ import annotations
 
@@ -316,71 +316,10 @@ class Solution:
         save_state(path, self)
 
     def as_dict(self) -> dict[str, Any]:
-        """The result of interface.md in plain Python; every number is finite."""
-        import ancf
+        """The result in plain Python; every number is finite (result.py)."""
+        from ancf.result import result_of
 
-        rods = {}
-        for rod in self.model.rods:
-            name = rod.rod.name
-            tip = self.tip(name)
-            force, moment = self.reaction(name)
-            rods[name] = {
-                "tip": {
-                    "position": tip.position.tolist(),
-                    "r_x": tip.r_x.tolist(),
-                    "r_y": tip.r_y.tolist(),
-                    "r_z": tip.r_z.tolist(),
-                    "rotation": tip.rotation.tolist(),
-                },
-                "nodes": self.nodes(name).tolist(),
-                "strain_energy": self.strain_energy(name),
-                "reaction": {"force": force.tolist(), "moment": moment.tolist()},
-            }
-        result = {
-            "schema": 1,
-            "title": self.scene.title,
-            "status": str(self.status),
-            "reason": self.reason,
-            "rods": rods,
-            "steps": self.steps,
-            "cutbacks": self.cutbacks,
-            "iterations": self.iterations,
-            "residual": self.residual,
-            "residual_floor": self.residual_floor,
-            "load_factor": self.load_factor,
-            "effects": self.effects,
-            "reductions": self.reductions,
-            "seconds": self.seconds,
-            "error_estimate": None if self.accuracy is None else self.accuracy.estimate,
-            "unknowns": self.unknowns,
-            "warnings": self.warnings,
-            "balance": self.balance().as_dict(),
-            "versions": {"ancf": ancf.__version__, "numpy": np.__version__},
-        }
-        if self.accuracy is not None:
-            result["accuracy"] = self.accuracy.as_dict()
-        if self.scene.tendons:
-            result["tendons"] = [tendon.as_dict() for tendon in self.tendons]
-        if self.scene.springs or self.scene.foundations or self.scene.contacts:
-            from ancf.passive_reports import passive_reports
-
-            result |= passive_reports(self.model, self.q)
-        if self.scene.joints:
-            result["joints"] = [carried.as_dict() for carried in self.joints]
-        if self.stability is not None:
-            result["stability"] = self.stability.as_dict()
-        if self.path:
-            result["path"] = [self._path_entry(point) for point in self.path]
-        return result
-
-    def _path_entry(self, point: PathPoint) -> dict[str, Any]:
-        tips = {rod.rod.name: rod.nodal(point.q)[-1, 0] + rod.rod.base.position for rod in self.model.rods}
-        return {
-            "arc": float(point.arc),
-            "load_factor": float(point.load_factor),
-            "negative_pivots": point.negative,
-            "tip": {name: tip.tolist() for name, tip in tips.items()},
-        }
+        return result_of(self)
 
 
 def _material_points(rod: RodModel, nodal: Floats, at: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:

@@ -184,7 +184,7 @@ def test_no_friction_is_the_contact_without():
     zero = ancf.solve(scene(contact=plane(1e-3, friction=0.0), **tables))
     bare = ancf.solve(scene(contact=without, **tables))
     np.testing.assert_array_equal(zero.q, bare.q)
-    (effect,) = zero.model.contacts
+    (effect,) = zero.model.settling
     assert type(effect) is ObstacleContact and not zero.model.path_dependent
     assert "friction" not in zero.as_dict()["contacts"][0]
 

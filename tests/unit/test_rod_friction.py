@@ -25,7 +25,7 @@ def rubbed(scene, friction=MU, **solver):
 
 
 def effect_of(model):
-    (effect,) = model.contacts
+    (effect,) = model.settling
     assert isinstance(effect, FrictionalRodContact)
     return effect
 
@@ -73,7 +73,7 @@ def test_no_friction_is_the_contact_without():
     scene = crossed([0, 0, -P])
     zero, bare = ancf.solve(rubbed(scene, 0.0)), ancf.solve(scene)
     np.testing.assert_array_equal(zero.q, bare.q)
-    assert type(zero.model.contacts[0]) is RodContact
+    assert type(zero.model.settling[0]) is RodContact
 
 
 def shaken(kind, shift=0.0):
