@@ -100,6 +100,18 @@ def test_part_of_the_rod():
     assert angle == pytest.approx(-kappa * 0.42 * L, rel=1e-2)
 
 
+def test_each_element_has_its_share_of_the_chamber():
+    """The work on the motion u = x^2 e_x, which the element contains, is p A_c (x_b^2 - x_a^2) (end caps)."""
+    a, b = 0.21, 0.6
+    model = Model(scene(None, **chamber(1e3, 0.003, (0.002, 0.001), **{"from": a, "to": b})))
+    (effect,) = model.effects
+    assert isinstance(effect, Chamber) and len(effect.groups) == 3  # cut, whole, and cut elsewhere
+    motion = np.zeros(model.n)
+    motion[::9] = model.rods[0].mesh.node_x ** 2
+    work = np.sum(effect.force(blocks(model, effect)) * blocks(model, effect, motion))
+    assert work == pytest.approx(1e3 * np.pi * 0.003**2 * (b**2 - a**2) * L**2, rel=1e-12)
+
+
 @pytest.mark.parametrize("element", ["3333", "3243", "3363"])
 def test_force_and_tangent_are_derivatives(element):
     """Q = -dV/de and K = dQ/de by central differences, at a random state."""
