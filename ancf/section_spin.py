@@ -91,7 +91,7 @@ def section_map(N: Floats, W: Floats) -> tuple[Floats, Floats]:
     N : (..., directors, nodal) to the directors;  W : (..., directors, 3) weights of the section rotation
     """
     # Any orthonormal axes in the plane of the weights would do; in the principal ones S is nearly diagonal.
-    _, _, axes = np.linalg.svd(W, full_matrices=False)
+    _, _, axes = np.linalg.svd(W)
     E = axes[..., :2, :]
     E = np.concatenate([E, np.cross(E[..., 0, :], E[..., 1, :])[..., None, :]], axis=-2)
     return E[..., :2, :] @ np.swapaxes(W, -1, -2) @ N, E
