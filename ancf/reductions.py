@@ -4,7 +4,7 @@ The search for an equilibrium runs on a reduced model, everything else (sections
 stability) on the full one:
 
 * planar: a scene that is its own mirror image in a plane (scene_plane.py) is solved on the unknowns in the
-  plane (planar_model.py), about half of all;
+  plane (planar_model.py), about half of all, unless it is so small that this does not pay;
 * symmetric: where every load that acts has a potential, tangents are factorised by Cholesky, and by LU where
   they are not positive definite. Couples across the plane of a planar scene have one on its shapes.
 
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.effects import blocks_of
+from ancf.elements import ELEMENTS
 from ancf.errors import Message, SceneError
 from ancf.linear_system import LinearSystem
 from ancf.scene_cable import could_be_cable
@@ -40,6 +41,9 @@ Floats = NDArray[np.float64]
 
 # Effects whose potential `has_potential` knows from the scene; the others are asked.
 JUDGED = ("moment", "line_moment", "force", "line_load")
+# Unknowns from which on the plane pays under point moments alone. Time in full by time in the plane, of 3333:
+# 0.9 at 81 and 153 unknowns, 1.0 at 225, 1.15 at 297 (benchmarks/bench_planar.py).
+FEW_UNKNOWNS = 200
 # Dimensionless distance from the plane that rounding may give a start.
 ROUNDING = 1e-13
 
@@ -87,10 +91,26 @@ def chosen(scene: Scene, source: str = "") -> Reductions:
         return Reductions(plane, has_potential(scene, plane))
     if scene.follows_path or scene.constrained or options.tangent != "analytic":
         return Reductions(None, False)
-    plane = find_plane(scene)
-    if isinstance(plane, Message):
+    plane = find_plane(scene) if pays(scene) else None
+    if not isinstance(plane, Plane):
         return Reductions(None, has_potential(scene, None))
     return Reductions(plane, has_potential(scene, plane))
+
+
+def pays(scene: Scene) -> bool:
+    """Whether a plane would save more than it costs to look for it, and for motions out of it.
+
+    Under point moments alone a short rod has next to nothing to save: its start is known in closed form.
+    """
+    spread = (scene.line_loads, scene.line_moments, scene.gravity, scene.pressures)
+    if not scene.moments or scene.forces or scene.tendons or any(spread):
+        return True
+    return sum(_unknowns(rod) for rod in scene.rods) >= FEW_UNKNOWNS
+
+
+def _unknowns(rod: Rod) -> int:
+    element = ELEMENTS[rod.element]
+    return 3 * len(element.vectors) * (rod.elements * (len(element.node_xi) - 1) + 1)
 
 
 def settled(model: Model) -> Reductions:

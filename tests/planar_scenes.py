@@ -42,10 +42,10 @@ def scene(rod: Rod, **loads: Any) -> Scene:
     return Scene((rod,), **{"forces": (Force("arm", 1.0, np.array([0.2, 3.0, 0.0]) * FORCE),), **loads})
 
 
-def both(one: Scene) -> tuple[ancf.Solution, ancf.Solution]:
-    """Solved with reductions and without."""
-    full = replace(one, solver=replace(one.solver, reduction="full"))
-    return ancf.solve(one), ancf.solve(full)
+def both(one: Scene, insist: bool = False) -> tuple[ancf.Solution, ancf.Solution]:
+    """Solved with reductions, or with those of the plane whether they pay or not, and without."""
+    full, planar = (replace(one, solver=replace(one.solver, reduction=r)) for r in ("full", "planar"))
+    return ancf.solve(planar if insist else one), ancf.solve(full)
 
 
 def distance(a: ancf.Solution, b: ancf.Solution) -> float:

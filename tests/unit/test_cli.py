@@ -106,12 +106,13 @@ def test_no_equilibrium_is_exit_code_3_with_a_result(
 
 
 def test_check_lists_what_would_be_simulated(bent: Path, capsys: pytest.CaptureFixture[str]):
+    bent.write_text(ROD.format(elements=16) + MOMENT)  # fewer would be solved in full
     assert main(["check", str(bent), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["effects"] == ["elastic", "moment"]
-    assert found["unknowns"] == 8 * 18  # 17 nodes of 9 components, one clamped
+    assert found["unknowns"] == 16 * 18  # 33 nodes of 9 components, one clamped
     assert found["reductions"] == [
-        "planar: rods and loads stay in the plane across (0, 0, 1), 80 of 144 unknowns are solved for",
+        "planar: rods and loads stay in the plane across (0, 0, 1), 160 of 288 unknowns are solved for",
         "symmetric: on shapes in the plane the loads have a potential, Cholesky factors replace LU",
     ]
     assert found["rods"]["rod"]["section"] == {"shape": "circle", "radius": 0.004}

@@ -64,6 +64,20 @@ def test_oblique_loads_are_symmetric_only():
     assert ancf.solve(spread).reductions == []
 
 
+def test_a_short_rod_under_moments_alone_is_solved_in_full():
+    """There the plane costs more than it saves; `planar` insists on it, and the answer is the same."""
+    short = scene(arm(), forces=(), **LOADS["moment"])
+    assert ancf.solve(short).reductions == []
+    planar, full = both(short, insist=True)
+    assert is_planar(planar) and distance(planar, full) < 1e-12
+    for more in (
+        replace(short, rods=(arm(elements=12),)),
+        replace(short, forces=scene(arm()).forces),
+        replace(short, gravity=Gravity(np.array([0.0, -1.0, 0.0]))),
+    ):
+        assert is_planar(ancf.solve(more))
+
+
 def test_a_cable_is_proposed_where_nothing_needs_sections():
     """What it leaves out, shear: 3 E I/(G A L^2) of a cantilever's deflection (Timoshenko's beam)."""
     proposed = ancf.solve(scene(arm())).reductions[-1]
