@@ -167,17 +167,6 @@ class PlanarEnergy:
     def _at_places(self, T: Floats) -> Floats:
         return T if self._assumed is None else np.einsum("gsp,egp->esp", self._assumed, T)
 
-    def force(self, u: Floats) -> Floats:
-        """Force (n_el, m) at the unknowns of the elements u (n_el, m)."""
-        w = self.numbers(u)
-        B = self._changes(w)
-        T = self.section.resultants(self._at_points(self._quadratic(B, w) - self._gamma0))
-        Q = self._to_nodes((np.swapaxes(B, -1, -2) @ self._at_places(T)[..., None])[..., 0])
-        control = self.even.rod.elastic.control
-        if control is None:
-            return Q
-        return Q + control.force(self._vectors(u)).reshape(len(u), -1) @ self.even.node.of_element
-
     def force_and_tangent(self, u: Floats, u_previous: Floats | None = None) -> tuple[Floats, Floats]:
         """Force (n_el, m) and symmetric tangent (n_el, m, m) at the unknowns of the elements u (n_el, m).
 

@@ -77,18 +77,6 @@ class PlanarModel(Model):
         laws = [(rod, elastic.section) for rod, elastic in zip(self.rods, self._elastic, strict=True)]
         return [(rod, law) for rod, law in laws if isinstance(law, QuadratureSection)]
 
-    def _residual(self, q: Floats, load_factor: float) -> Residual:
-        """See `Model.residual`."""
-        u = self.in_plane.of(q)
-        with self.counters.effect("elastic"):
-            pairs = zip(self.in_plane.rods, self._elastic, strict=True)
-            Q_int = self.in_plane.element_forces_to_full(
-                [elastic.force(rod.of_elements(u)) for rod, elastic in pairs]
-            )
-        Q_ext = np.zeros(self.n)
-        self._sums_on_sides[0].forces(Q_int, Q_ext, q)
-        return Residual(Q_int, Q_ext)
-
     def residual_and_tangent(
         self, q: Floats, load_factor: float, q_previous: Floats | None = None
     ) -> tuple[Residual, Floats]:
