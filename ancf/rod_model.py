@@ -29,6 +29,7 @@ from ancf.section_energy import (
     generalised_shape,
     section_stiffness,
     section_terms,
+    shared_shape,
     shear_energy_matrix,
     straight_reference,
     straight_section_stiffness,
@@ -196,7 +197,7 @@ class RodModel:
         xi, _ = gauss(self.axial_points)
         places, assumed = sampling(self.element, self.axial_points) if self.assumes_strains else (xi, None)
         lengths = [float(self.mesh.h[index]) for index in first]
-        N = np.array([_generalised(self.element, tuple(places), h) for h in lengths])
+        N = np.array([shared_shape(self.element, tuple(places), h) for h in lengths])
         per_node, nodes = len(self.element.vectors), len(self.element.node_xi)
         columns = np.arange(nodes) * per_node + self.element.vectors.index(R)
         v0 = [
@@ -370,14 +371,6 @@ def _shapes(element: Element, xi: float, h: float) -> tuple[Floats, Floats]:
     for values in found:
         values.setflags(write=False)
     return found[0], found[1]
-
-
-@lru_cache(maxsize=256)
-def _generalised(element: Element, xi: tuple[float, ...], h: float) -> Floats:
-    """`generalised_shape`, shared likewise."""
-    N = generalised_shape(element, np.array(xi), h)
-    N.setflags(write=False)
-    return N
 
 
 def _spread(values: Floats, kind: Indices) -> Floats:

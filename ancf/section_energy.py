@@ -85,6 +85,14 @@ def generalised_shape(element: Element, xi: Floats, h: float) -> Floats:
     return np.stack([N[i][:, element.directors.index((j, k))] for i, j, k in element.generalised], axis=1)
 
 
+@lru_cache(maxsize=256)
+def shared_shape(element: Element, xi: tuple[float, ...], h: float) -> Floats:
+    """`generalised_shape`; every scene with this element length shares it."""
+    N = generalised_shape(element, np.array(xi), h)
+    N.setflags(write=False)
+    return N
+
+
 def section_frame(element: Element, v0: Floats) -> Floats:
     """Section frames R_0 (..., 3, 3) of reference vectors v0 (..., generalised vectors, 3)."""
     count = len(element.directors)
