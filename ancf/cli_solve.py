@@ -51,12 +51,10 @@ def solve(
     Exit code 0: converged. 2: the input is wrong, nothing was computed. 3: no equilibrium was found; the last
     one on the way and the reason are in the result.
     """
-    from ancf import view as pictures
-    from ancf import view_page
+    from ancf import view as pictures, view_page
     from ancf.io import result_text, write_result
     from ancf.scene_file import load_scene
-    from ancf.solver import prepare
-    from ancf.solver import solve as find_equilibrium
+    from ancf.solver import prepare, solve as find_equilibrium
 
     loaded = [load_scene(path) for path in scenes]
     for scene in loaded:  # what can be refused is refused before anything is solved or written

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from copy import copy
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 from operator import attrgetter
@@ -26,6 +25,7 @@ from ancf.effect_assembly import EffectAssembly, add_blocks, load_effects
 from ancf.effects import Effect, blocks_of
 from ancf.finite_difference import difference_tangent
 from ancf.linear_system import LinearSystem
+from ancf.residual import Residual
 from ancf.rod_model import RodModel, make_rod_model
 from ancf.scene import Scene
 from ancf.section_law import QuadratureSection
@@ -42,20 +42,6 @@ Floats = NDArray[np.float64]
 # E I/L^2 (moments: E I/L) by which the first step of a prescribed motion may load a joint; a straight rod
 # clamped at both ends buckles at 39.5.
 FIRST_FORCE = 5.0
-
-
-@dataclass(frozen=True)
-class Residual:
-    """Generalised forces (n,) of the rods and what is passive, and of the loads at load factor 1."""
-
-    Q_int: Floats
-    Q_ext: Floats
-
-    def at(self, load_factor: float) -> Floats:
-        """g = Q_int - load_factor Q_ext; at 0 the load does not count, even where it overflows."""
-        if load_factor == 0.0:
-            return self.Q_int
-        return self.Q_int - load_factor * self.Q_ext
 
 
 class Model:

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ancf.band import Factors, SingularMatrixError
-from ancf.model import Model, Residual
+from ancf.model import Model
+from ancf.residual import Residual
 
 Floats = NDArray[np.float64]
 

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from ancf.band import Factors, SingularMatrixError
 from ancf.effect_assembly import EffectAssembly
 from ancf.mirror_system import Parity, PlanarSystem
-from ancf.model import Model, Residual
+from ancf.model import Model
 from ancf.planar_energy import PlanarEnergy
+from ancf.residual import Residual
 from ancf.rod_model import RodModel
 from ancf.scene_plane import Plane
 from ancf.section_law import QuadratureSection

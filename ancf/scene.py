@@ -23,41 +23,17 @@ from ancf.errors import refuse
 from ancf.hyperelastic import Law
 from ancf.scene_effects import (
     EFFECT_MODULES,
-)
-from ancf.scene_effects import (
     AddedEffect as AddedEffect,
-)
-from ancf.scene_effects import (
     Contact as Contact,
-)
-from ancf.scene_effects import (
     Force as Force,
-)
-from ancf.scene_effects import (
     Foundation as Foundation,
-)
-from ancf.scene_effects import (
     Gravity as Gravity,
-)
-from ancf.scene_effects import (
     LineLoad as LineLoad,
-)
-from ancf.scene_effects import (
     LineMoment as LineMoment,
-)
-from ancf.scene_effects import (
     Magnet as Magnet,
-)
-from ancf.scene_effects import (
     Moment as Moment,
-)
-from ancf.scene_effects import (
     Pressure as Pressure,
-)
-from ancf.scene_effects import (
     Spring as Spring,
-)
-from ancf.scene_effects import (
     Tendon as Tendon,
 )
 from ancf.sections import Section

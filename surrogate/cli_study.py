@@ -108,8 +108,7 @@ def reproduce(
     Exit code 0: done. 2: the input is wrong. 4: the certificate of the data is not the valid one.
     """
     from ancf.io import result_text
-    from surrogate.reproduce import report
-    from surrogate.reproduce import reproduce as regenerate
+    from surrogate.reproduce import report, reproduce as regenerate
     from surrogate.whole_file import write_text, writing
 
     problem = problem_of_folder(directory, allow_unvalidated)
@@ -141,8 +140,7 @@ def study(
     """
     from ancf.io import check_folder, result_text
     from surrogate.evaluate import LeakWarning
-    from surrogate.study import RECORD
-    from surrogate.study import study as measure
+    from surrogate.study import RECORD, study as measure
     from surrogate.whole_file import write_text, writing
     from validation.certificate import NotValidated
 

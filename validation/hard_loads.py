@@ -11,8 +11,8 @@ from reference.homogeneous import (
     principal_mooney_rivlin,
     principal_neo_hookean,
     principal_saint_venant_kirchhoff,
+    uniaxial as uniaxial_state,
 )
-from reference.homogeneous import uniaxial as uniaxial_state
 from validation.criteria import Limit
 from validation.hard_case import HardCase
 from validation.hard_families import deviation

@@ -8,8 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from reference import analytic
-from reference.homogeneous import principal_mooney_rivlin, principal_neo_hookean
-from reference.homogeneous import uniaxial as homogeneous_uniaxial
+from reference.homogeneous import (
+    principal_mooney_rivlin,
+    principal_neo_hookean,
+    uniaxial as homogeneous_uniaxial,
+)
 from reference.rod import solve_rod
 from validation.cases import Case
 from validation.criteria import largest

@@ -13,10 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ancf.elements import ELEMENTS, SECTION_ELEMENTS
-from validation import energy_measures as energy
-from validation import kernel_measures as kernel
-from validation import property_examples as example
-from validation import solution_measures as solution
+from validation import (
+    energy_measures as energy,
+    kernel_measures as kernel,
+    property_examples as example,
+    solution_measures as solution,
+)
 from validation.random_rods import Draws, RngDraws
 
 

@@ -20,8 +20,7 @@ from ancf.elements import ELEMENTS
 from ancf.materials import SaintVenantKirchhoff
 from ancf.model import Model
 from ancf.scene import Force, LineLoad, Moment, Scene
-from validation import kernel_measures as kernel
-from validation import solution_measures as solution
+from validation import kernel_measures as kernel, solution_measures as solution
 from validation.criteria import largest
 from validation.energy_measures import integrated_energy
 from validation.random_rods import (

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 from validation import convergence, digests, hard_cases, locking, locking_remedies, property_runs
 from validation.cases import CASES, Case, load_cases
 from validation.convergence import Study, StudyResult
-from validation.cost import run as cost
-from validation.cost import scaling
+from validation.cost import run as cost, scaling
 from validation.cost.families import Family
 from validation.cost.run import FamilyCost
 from validation.cost.scaling import ScalePoint, TangentRatio

@@ -88,10 +88,12 @@ def test_advice_on_the_examples(path, limit):
 def scaled(scene: dict[str, Any], share: float) -> dict[str, Any]:
     """The scene with the loads of its second effect weakened: influences of every size."""
     weak = sorted(set(scene) - {"rod", "joint"})[-1]
-    keys = {"tendon": "tension", "gravity": "acceleration", "magnet": "field"}
-    key = keys.get(weak, "value")
+    sizes = ("tension", "acceleration", "field", "value", "stiffness", "rotational_stiffness")
     records = scene[weak] if isinstance(scene[weak], list) else [scene[weak]]
-    lighter = [{**record, key: (share * np.array(record[key])).tolist()} for record in records]
+    lighter = [
+        {key: (share * np.array(one)).tolist() if key in sizes else one for key, one in record.items()}
+        for record in records
+    ]
     return {**scene, weak: lighter if isinstance(scene[weak], list) else lighter[0]}
 
 

@@ -12,8 +12,7 @@ import time
 from typing import Any
 
 import numpy as np
-from hypothesis import HealthCheck, event, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, event, example, given, settings, strategies as st
 
 import ancf
 from ancf.failure import element_turns

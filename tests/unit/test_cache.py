@@ -7,8 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from reference import cache
 from reference.cache import Cache, checksum, plain

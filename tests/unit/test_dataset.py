@@ -20,8 +20,7 @@ from surrogate.problem import problem_of
 from surrogate.sampling import sample, split_sizes
 from surrogate.sweep import make
 from tests.datasets import SMALL, small, stale, tables
-from validation.certificate import SHIPPED
-from validation.certificate import load as load_certificate
+from validation.certificate import SHIPPED, load as load_certificate
 
 EI = 1.0e6 * math.pi * 0.01**4 / 4.0
 

@@ -26,8 +26,15 @@ from surrogate.sweep import make, sweep
 from tests.certificates import LEFT_OUT, passing_run, roots_in
 from tests.datasets import ID, VOUCHED, certificate, small, stale, tables, valid
 from tests.regimes import REGIME
-from validation.certificate import SHIPPED, NotValidated, Verification, build, verify, write
-from validation.certificate import load as load_certificate
+from validation.certificate import (
+    SHIPPED,
+    NotValidated,
+    Verification,
+    build,
+    load as load_certificate,
+    verify,
+    write,
+)
 from validation.digests import PACKAGE
 
 DESIGNS = Path(__file__).parents[2] / "examples" / "designs"

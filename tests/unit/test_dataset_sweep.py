@@ -12,8 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from ancf.errors import InputError
 from surrogate import gate, npz, sweep
@@ -21,8 +20,7 @@ from surrogate.executors import opened
 from surrogate.gate import Gate, ask
 from surrogate.plan import Plan
 from surrogate.store import OtherPlan
-from surrogate.sweep import finished, make, merge, shard
-from surrogate.sweep import sweep as solve_blocks
+from surrogate.sweep import finished, make, merge, shard, sweep as solve_blocks
 from tests.datasets import small, valid
 
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import ancf
-from validation import hard_cases as module
-from validation import hard_threads, hard_walk, runner
+from validation import hard_cases as module, hard_threads, hard_walk, runner
 from validation.criteria import Limit, Verdict
 from validation.evidence import evidence_of, limit_faults, verdict_of
 from validation.expected import Expectation

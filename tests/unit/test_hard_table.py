@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import pytest
 
@@ -37,7 +38,7 @@ def result(case=CASE, verdict=Verdict.PASS, status="converged", measured=None, h
 
 def page(*results):
     run = Run("quick", "now", hard_cases=list(results), parts=("hard cases",), seconds={"total": 1.0})
-    return render(run)
+    return render(run, Path("no-such-folder"))
 
 
 def row_of(html, name="hard-a-case"):

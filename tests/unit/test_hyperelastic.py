@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from ancf.cauchy_green import CauchyGreen
 from ancf.elements import ELEMENTS, SECTION_ELEMENTS

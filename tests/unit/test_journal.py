@@ -19,8 +19,7 @@ from validation.hard_cases import HardCase, run_hard_case
 from validation.journal import FILE, Journal, StoredOutcome, keep, revive
 from validation.locking import LockingPoint, SlendernessRow
 from validation.outcome import Outcome, Row
-from validation.problems import CaseResult
-from validation.problems import run_case as real_run_case
+from validation.problems import CaseResult, run_case as real_run_case
 
 IDS = ("TO-circle-3333", "HX-3333-12", "MO")
 KEY = {"ancf/energy.py": "1", "versions": "2"}

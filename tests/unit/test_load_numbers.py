@@ -7,8 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import ancf
 from ancf.scene import Foundation, Scene
@@ -163,7 +162,11 @@ def test_what_nobody_gave_numbers_is_a_family_of_its_own():
     assert sorted(families_of(scene.rods[0], windy)) == ["foundation", "winds"]
 
 
-@given(st.lists(st.floats(-5, 5), min_size=3, max_size=3), st.floats(0.1, 1.0))
+# Squares of loads below 1e-150 vanish.
+SIZES = st.floats(-5, 5).map(lambda v: v if abs(v) > 1e-100 else 0.0)
+
+
+@given(st.lists(SIZES, min_size=3, max_size=3), st.floats(0.1, 1.0))
 def test_what_is_given_in_numbers_has_these_numbers(value, share):
     """From numbers to SI and back, in the axes of the rod."""
     scene = {

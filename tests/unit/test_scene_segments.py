@@ -146,7 +146,7 @@ def test_check_lists_the_segments(tmp_path, capsys):
     assert "section" not in found and found["elements"] == 6
     assert main(["check", str(path)]) == 0
     shown = capsys.readouterr().err
-    assert "Circle(radius=0.01) to Circle(radius=0.004)" in shown and "0.1 m, 2 elements" in shown
+    assert "circle(radius = 0.01) to circle(radius = 0.004)" in shown and "0.1 m, 2 elements" in shown
 
 
 def test_no_certificate_speaks_for_segments():

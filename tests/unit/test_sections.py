@@ -4,8 +4,7 @@ from math import gamma, pi
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from ancf.sections import Annulus, Circle, Ellipse, Polygon, Rectangle
 from tests.strategies import sections

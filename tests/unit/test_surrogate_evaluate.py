@@ -120,7 +120,7 @@ def test_the_conformal_radius_is_a_rank():
 def test_a_radius_without_bound_is_null_and_said():
     """JSON knows no infinity: fewer than 19 rows for calibration have no radius at 95 %."""
     unknown = ErrorRadius(0.95, 9, np.inf, np.inf).as_dict()
-    assert unknown == {"level": 0.95, "rows": 9, "position": None, "moment": None}
+    assert (unknown["rows"], unknown["position"], unknown["moment"]) == (9, None, None)
     assert radius_text(unknown).startswith("unknown from 9 rows")
     known = ErrorRadius(0.95, 19, 0.5, 0.25).as_dict()
     assert radius_text(known) == "0.5 m of the tip, 0.25 N m"

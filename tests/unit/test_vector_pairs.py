@@ -1,8 +1,7 @@
 """Stiffnesses between vectors of an element, against the sum over all nodal vectors."""
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from ancf.vector_pairs import VectorPairs
 

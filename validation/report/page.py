@@ -15,8 +15,7 @@ from validation.cases import INDEPENDENCE, Case, formulation_of
 from validation.convergence import SHORTFALL
 from validation.cost import advice
 from validation.criteria import Verdict
-from validation.effect_costs import ASKED as ASKED_SHARE
-from validation.effect_costs import call_table
+from validation.effect_costs import ASKED as ASKED_SHARE, call_table
 from validation.environment import peak_memory_mb
 from validation.locking import VARIANTS
 from validation.locking_remedies import FORCE_CASES, MOMENT_CASES
