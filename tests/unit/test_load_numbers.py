@@ -117,6 +117,19 @@ def families(**tables):
             {"contact": [{"with": {"shape": "plane", "point": [0, 0, -1], "normal": [0, 0, 1]}}]},
             {"contact": {"number of contacts": 1.0}},
         ),
+        (
+            {"contact": [{"with": {"shape": "plane", "point": [0, 0, -1], "normal": [0, 0, 1]},
+                          "friction": 0.3}]},
+            {"contact, with friction": {"number of contacts": 1.0, "friction": 0.3}},
+        ),
+        (
+            {"spring": [{"rotational_stiffness": [1.0, 3.0, 2.0]}]},
+            {"rotational spring": {"k L/EI": 3.0 * L / EI}},
+        ),
+        (
+            {"foundation": [{"rotational_stiffness": [1.0, 3.0, 2.0], "from": 0.5}]},
+            {"rotational bed, along a part": {"k L2/EI": 3.0 * L**2 / EI}},
+        ),
         ({"line_moment": [{"value": [0, 0, 0.2]}]}, {"line moment": {"m L2/EI": 0.2 * L**2 / EI}}),
     ],
 )  # fmt: skip

@@ -201,6 +201,10 @@ def test_steps_of_the_planar_chain_are_newtons(load: str):
     chain, loads = in_plane(chain_of(rod), nodal_loads(one, rod), find(one))
     # Arms as long as the rod, or their couple would be lost beside its stiffness.
     loads = replace(loads, levers=[(node, 50.0 * arm, F) for node, arm, F in loads.levers])
+    # A pull that stiffens the intervals as much as they are stiff.
+    loads = replace(
+        loads, force=loads.force + 3.0 * chain._stiffness.max() / chain.h.max() * (loads.force != 0)
+    )
     angles = chain._state(chain.R_0) + 0.3 * np.sin(np.arange(len(chain.R_0)))
     angles[0] = chain._state(chain.R_0)[0]
     g, parts = chain._residual(angles, loads)

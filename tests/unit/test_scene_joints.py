@@ -45,6 +45,8 @@ REFUSED = [
     ({**HINGED, "spring": [{"rod": "finger", "stiffness": [1, 0, 1]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
     ({**HINGED, "spring": [{"rod": "finger", "stiffness": 1, "anchor": [3, 0, 0]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
     ({**HINGED, "foundation": [{"rod": "finger", "stiffness": [1, 0, 1]}]}, "rod[1].supports", "mechanism", "1 of its motions"),
+    # Springs at the ball hold its point once more, one about the rod its spin: two rotations are left.
+    ({"rod": [rod(supports=[])], "joint": [joint("ball", ("arm", 1.0), "ground")], "spring": [{"stiffness": 1, "rotational_stiffness": [1, 0, 0]}]}, "rod[0].supports", "mechanism", "2 of its motions"),
     ({"rod": [rod(elements=2, supports=[])], "joint": [joint(a=("arm", at)) for at in (0.0, 0.2, 0.4, 1.0)]}, "rod[0].elements", "fewer elements", "pieces = 3"),
     ({"rod": [rod(supports=[])]}, "rod[0].supports", "no support", "supports = []"),
 ]  # fmt: skip
@@ -64,6 +66,8 @@ def test_refusals_say_what_where_and_value(data, where, what, value):
     [
         {"spring": [{"rod": "finger", "stiffness": 1}]},
         {"spring": [{"rod": "finger", "stiffness": [0, 1, 0], "at": 0.5}]},
+        {"spring": [{"rod": "finger", "rotational_stiffness": [0, 0, 1]}]},
+        {"foundation": [{"rod": "finger", "rotational_stiffness": [0, 0, 1]}]},
         {"spring": [{"rod": "finger", "stiffness": [1, 0, 0], "at": 0.0, "offset": [0.01, 0]}]},
         {"spring": [{"rod": "finger", "stiffness": 1, "anchor": [2, 1, 0]}]},
         {"spring": [{"rod": "finger", "stiffness": 1, "anchor": [3, 0, 0], "free_length": 0.5}]},
