@@ -108,7 +108,7 @@ def answers(arm: Arm, found: Inverse) -> dict[str, Any]:
 def _show(record: dict[str, Any]) -> None:
     from rich.console import Console
 
-    console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 200)
+    console = Console(stderr=True, highlight=False, markup=False, width=None if sys.stderr.isatty() else 200)
     for number, answer in enumerate(record["poses"]):
         moment = ", ".join(f"{value:.6g}" for value in answer["moment"])
         state = "reachable" if answer["reachable"] else f"not reachable: {answer['reason']}"

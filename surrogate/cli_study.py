@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -45,19 +45,32 @@ def crossval(
         print(result_text({"schema": 1, **record}))
         return
     print(
-        "model                        size  MSE (deviation)   published  ratio    N^2 m^2   z-units      R^2"
+        "model                        size  MSE (deviation)   published  ratio    N^2 m^2   z-units      R^2",
+        file=sys.stderr,
     )
     for row in record["models"]:
         print(
             f"{row['model']:<27}{row['size']:>6}{row['mse_mean']:>8.3g} ({row['mse_deviation']:.2g})"
             f"{row['published_mse']:>13.3g}{row['ratio']:>7.2f}{row['mse_N2m2']:>11.2e}{row['mse_z']:>10.2e}"
-            f"{row['r2']:>9.5f}"
+            f"{row['r2']:>9.5f}",
+            file=sys.stderr,
         )
     print(
         f"{record['trainings']} trainings in {record['cpu_seconds']:.1f} s of one core; 20 units are"
         f" {record['range_EI_by_L']:.3g} E I/L; order {record['order']} (published"
-        f" {record['published_order']}); certificate: {record['certificate']}"
+        f" {record['published_order']}); certificate: {record['certificate']}",
+        file=sys.stderr,
     )
+
+
+def _show(record: dict[str, Any], text: str, json: bool) -> None:
+    """One JSON object on standard output, or text for people on standard error."""
+    if json:
+        from ancf.io import result_text
+
+        print(result_text(record))
+    else:
+        print(text, file=sys.stderr)
 
 
 def compare(
@@ -90,7 +103,7 @@ def compare(
         text = compare_text(record)
         write_text(folder / "compare.json", result_text(record) + "\n")
         write_text(folder / "compare.md", text)
-    print(result_text(record) if json else text)
+    _show(record, text, json)
     print(f"written: {folder}", file=sys.stderr)
 
 
@@ -117,7 +130,7 @@ def reproduce(
         text = report(record)
         write_text(folder / "reproduction.json", result_text(record) + "\n")
         write_text(folder / "reproduction.md", text)
-    print(result_text(record) if json else text)
+    _show(record, text, json)
     print(f"written: {folder}", file=sys.stderr)
 
 
@@ -159,7 +172,7 @@ def study(
     else:
         for row in record["asked"]:
             verdict = {True: "met", False: "NOT MET", None: ""}[row["met"]]
-            print(f"{row['what']}: asked {row['asked']}; found {row['found']}  {verdict}")
+            print(f"{row['what']}: asked {row['asked']}; found {row['found']}  {verdict}", file=sys.stderr)
     print(f"written: {folder}", file=sys.stderr)
 
 

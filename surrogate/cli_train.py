@@ -48,7 +48,7 @@ def train(
     else:
         from surrogate.model_card import model_card
 
-        print(model_card(record))
+        print(model_card(record), file=sys.stderr)
     print(f"written: {folder}", file=sys.stderr)
 
 
@@ -147,7 +147,8 @@ def track(
         print(
             f"{len(found.wanted)} poses; tip error mean {tip['mean']:.3g}, p95 {tip['p95']:.3g},"
             f" max {tip['max']:.3g} % of the length; {angle['mean']:.3g} degrees; the exact inverse comes"
-            f" within {record['exact_tip_percent']['mean']:.3g} %; certificate: {record['certificate']}"
+            f" within {record['exact_tip_percent']['mean']:.3g} %; certificate: {record['certificate']}",
+            file=sys.stderr,
         )
     if found.unsolved:
         raise typer.Exit(NO_EQUILIBRIUM)

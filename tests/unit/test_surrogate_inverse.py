@@ -232,7 +232,7 @@ def test_ancf_invert_answers(scene, tmp_path, capsys):
         np.testing.assert_allclose(answer["moment"], [0, 0, 0.01], atol=1e-12)
         assert answer["reachable"] and answer["status"] == "converged" and answer["reason"] == ""
     assert main(["invert", str(scene), "--pose", str(tmp_path / "p.txt")]) == 0
-    assert "reachable" in capsys.readouterr().out
+    assert "reachable" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

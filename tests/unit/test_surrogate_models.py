@@ -334,7 +334,7 @@ def test_the_table_is_one_stack_of_folds(data, capsys):
     assert [m["size"] for m in found["models"]] == [259, 187, 199, 651, 2515]
     assert found["trainings"] == 25
     assert main(["crossval", str(data), "--epochs", "1", "--allow-unvalidated"]) == 0
-    assert "25 trainings" in capsys.readouterr().out
+    assert "25 trainings" in capsys.readouterr().err
 
 
 def test_every_row_is_left_out_once_and_never_trained_on_then(data):
@@ -368,7 +368,7 @@ def test_models_are_compared(data, tmp_path, capsys):
     pytest.importorskip("torch")
     arguments = ["compare", str(data), "--seeds", "2", "--epochs", "2", "--allow-unvalidated"]
     assert main([*arguments, "--out", str(tmp_path)]) == 0
-    assert "Is a surrogate worth having?" in capsys.readouterr().out
+    assert "Is a surrogate worth having?" in capsys.readouterr().err
     record = json.loads((tmp_path / "compare.json").read_text())
     kinds = [m["kind"] for m in record["models"]]
     assert kinds == [*BASELINES, "polynomial", "mlp", "cnn", "equivariant"]
