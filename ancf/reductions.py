@@ -101,9 +101,14 @@ def pays(scene: Scene) -> bool:
     """Whether a plane would save more than it costs to look for it, and for motions out of it.
 
     Under point moments alone a short rod has next to nothing to save: its start is known in closed form.
+    Loads of value zero do not count.
     """
-    spread = (scene.line_loads, scene.line_moments, scene.gravity, scene.pressures)
-    if not scene.moments or scene.forces or scene.tendons or any(spread):
+    weight = 0.0 if scene.gravity is None else scene.gravity.acceleration
+    loads = (*scene.forces, *scene.line_loads, *scene.line_moments, *scene.pressures)
+    pulled = any(tendon.tension != 0.0 for tendon in scene.tendons)
+    if pulled or np.any(weight) or any(np.any(load.value) for load in loads):
+        return True
+    if not any(np.any(load.value) for load in scene.moments):
         return True
     return sum(_unknowns(rod) for rod in scene.rods) >= FEW_UNKNOWNS
 
