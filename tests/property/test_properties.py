@@ -86,6 +86,10 @@ KEPT = [
     ("stretch", "3333", (
         0.0, 5.0, "circle", 0.5, 1, False, "enhanced", False, NEO_HOOKEAN, -0.5, 4.0, 500.0, "default",
         *ORIGIN, *UNTURNED, "free_section_clamp", 0.875)),
+    # A moment alone was solved in space, with a force of value zero beside it in the plane.
+    ("zero-effects", "3333", (
+        0.0, 15.0, "circle", 0.5, 4, False, "enhanced", False, SAINT_VENANT, 0.0, 4.0, 500.0, "default",
+        *ORIGIN, *UNTURNED, "clamp", 1, "moment", 1.0, 0.0, 0.0, 0.0625)),
 ]  # fmt: skip
 
 
