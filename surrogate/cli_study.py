@@ -39,28 +39,21 @@ def crossval(
             )
         problem = rescaled(problem, largest)
     record = cross_validate(problem, seeds=range(seeds), epochs=epochs).as_dict()
-    if json:
-        from ancf.io import result_text
-
-        print(result_text({"schema": 1, **record}))
-        return
-    print(
-        "model                        size  MSE (deviation)   published  ratio    N^2 m^2   z-units      R^2",
-        file=sys.stderr,
+    head = (
+        "model                        size  MSE (deviation)   published  ratio    N^2 m^2   z-units      R^2"
     )
-    for row in record["models"]:
-        print(
-            f"{row['model']:<27}{row['size']:>6}{row['mse_mean']:>8.3g} ({row['mse_deviation']:.2g})"
-            f"{row['published_mse']:>13.3g}{row['ratio']:>7.2f}{row['mse_N2m2']:>11.2e}{row['mse_z']:>10.2e}"
-            f"{row['r2']:>9.5f}",
-            file=sys.stderr,
-        )
-    print(
+    rows = [
+        f"{row['model']:<27}{row['size']:>6}{row['mse_mean']:>8.3g} ({row['mse_deviation']:.2g})"
+        f"{row['published_mse']:>13.3g}{row['ratio']:>7.2f}{row['mse_N2m2']:>11.2e}{row['mse_z']:>10.2e}"
+        f"{row['r2']:>9.5f}"
+        for row in record["models"]
+    ]
+    tail = (
         f"{record['trainings']} trainings in {record['cpu_seconds']:.1f} s of one core; 20 units are"
         f" {record['range_EI_by_L']:.3g} E I/L; order {record['order']} (published"
-        f" {record['published_order']}); certificate: {record['certificate']}",
-        file=sys.stderr,
+        f" {record['published_order']}); certificate: {record['certificate']}"
     )
+    _show({"schema": 1, **record}, "\n".join([head, *rows, tail]), json)
 
 
 def _show(record: dict[str, Any], text: str, json: bool) -> None:
@@ -167,12 +160,10 @@ def study(
     except NotValidated as error:
         print(error.message, file=sys.stderr)
         raise typer.Exit(NOT_VALIDATED) from None
-    if json:
-        print(result_text(record))
-    else:
-        for row in record["asked"]:
-            verdict = {True: "met", False: "NOT MET", None: ""}[row["met"]]
-            print(f"{row['what']}: asked {row['asked']}; found {row['found']}  {verdict}", file=sys.stderr)
+    verdicts = {True: "met", False: "NOT MET", None: ""}
+    rows = record["asked"]
+    lines = [f"{r['what']}: asked {r['asked']}; found {r['found']}  {verdicts[r['met']]}" for r in rows]
+    _show(record, "\n".join(lines), json)
     print(f"written: {folder}", file=sys.stderr)
 
 

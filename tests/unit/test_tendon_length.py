@@ -9,24 +9,9 @@ from ancf.coupled_system import CoupledSystem
 from ancf.model import Model
 from ancf.newton import NewtonRun
 from ancf.predictor import load_start
+from tests.tendon_scenes import EA, EI, RADIUS, YOUNG, D, L, scene, tendon
 
-L, RADIUS, YOUNG = 0.5, 2.5e-3, 1e6
-EI, EA = YOUNG * np.pi * RADIUS**4 / 4, YOUNG * np.pi * RADIUS**2
-D = 0.8 * RADIUS
 PATH = [[0.0, D, 0.0], [0.33, 0.0, 0.6 * D], [0.9, -0.5 * D, 0.4 * D]]
-
-
-def scene(tendons, rod=None, **tables):
-    data = {
-        "length": L, "elements": 8, "section": {"shape": "circle", "radius": RADIUS},
-        "material": {"young_modulus": YOUNG, "poisson_ratio": 0.3, "density": 1000.0},
-    } | (rod or {})  # fmt: skip
-    return ancf.scene_from_dict({"rod": [data], "tendon": tendons, **tables})
-
-
-def tendon(angle=0.0, **keys):
-    y, z = D * np.cos(angle), D * np.sin(angle)
-    return {"path": [[0.0, y, z], [1.0, y, z]], **keys}
 
 
 def ring(lengths):

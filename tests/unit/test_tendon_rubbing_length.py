@@ -10,25 +10,10 @@ from ancf.model import Model
 from ancf.tendon_length import TendonLength
 from ancf.tendon_rubbing_length import RubbingTendonLength
 from reference.actuation import frictional_arc, frictional_curvature, tendon_rod_of_length
+from tests.tendon_scenes import EI, RADIUS, YOUNG, D, L, scene, tendon
 
-L, RADIUS, YOUNG = 0.5, 2.5e-3, 1e6
-EI, EA = YOUNG * np.pi * RADIUS**4 / 4, YOUNG * np.pi * RADIUS**2
-D = 0.8 * RADIUS
 STRAIGHT = [[0.0, D, 0.0], [1.0, D, 0.0]]
 PATH = [[0.05, D, 0.0], [0.33, 0.0, 0.6 * D], [0.5, -0.5 * D, 0.0], [0.9, -0.5 * D, 0.4 * D]]
-
-
-def scene(tendons, rod=None, **tables):
-    data = {
-        "length": L, "elements": 8, "section": {"shape": "circle", "radius": RADIUS},
-        "material": {"young_modulus": YOUNG, "poisson_ratio": 0.3, "density": 1000.0},
-    } | (rod or {})  # fmt: skip
-    return ancf.scene_from_dict({"rod": [data], "tendon": tendons, **tables})
-
-
-def tendon(angle=0.0, **keys):
-    y, z = D * np.cos(angle), D * np.sin(angle)
-    return {"path": [[0.0, y, z], [1.0, y, z]], **keys}
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.5, 2.0])
